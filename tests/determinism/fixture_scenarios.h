@@ -32,7 +32,8 @@ inline std::string name_of(SolverSettings::Method solver) {
   return std::string(SolverSettings::method_names[static_cast<std::size_t>(solver)]);
 }
 
-/// Each scenario with the direct solver, and with both of ODE's each at night, by day one third with each.
+/// Each scenario with the direct solver, and with both of ODE's each at night, by day one third with each. Robots with
+/// joints that follow others are refused by ODE's.
 inline std::vector<FixtureCase> fixture_cases() {
   using Method = SolverSettings::Method;
   std::vector<FixtureCase> all;
@@ -40,6 +41,7 @@ inline std::vector<FixtureCase> fixture_cases() {
   for (std::size_t i = 0; i < scenarios.size(); ++i) {
     constexpr std::size_t one_in = AT_NIGHT ? 1 : 3;
     all.push_back({scenarios[i], Method::direct});
+    if (scenarios[i] == "playback" || scenarios[i] == "mesh_arm") continue;
     if (i % one_in == 0) all.push_back({scenarios[i], Method::quick});
     if ((i + 1) % one_in == 0) all.push_back({scenarios[i], Method::exact});
   }

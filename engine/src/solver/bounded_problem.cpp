@@ -15,10 +15,10 @@ constexpr double smallest_pivot = 1e-13;
 
 /// Newton steps in all rounds. A step costs the third power of the rows: a crowd of contacts gets fewer, so that a step
 /// of the world stays within some tenths of a second.
-int most_steps(std::size_t rows) {
-  constexpr double most = 3000.0, least = 100.0, ample = 48.0;  // ample: rows for which the most are affordable
+int affordable(int steps, std::size_t rows) {
+  constexpr double least = 100.0, ample = 48.0;  // ample: rows for which all are affordable
   const double share = ample / std::max(ample, static_cast<double>(rows));
-  return static_cast<int>(std::max(least, most * share * share * share));
+  return static_cast<int>(std::max(std::min<double>(least, steps), steps * share * share * share));
 }
 
 /// The share by which the normals' impulses follow in a round: less in later ones, which rows that swing need.
@@ -125,31 +125,32 @@ bool BoundedProblem::newton_step() {
   return true;
 }
 
-/// Cholesky's method in place.
+/// Cholesky's method in place, R' R with reciprocals on R's diagonal. Each row is subtracted from the lines of those
+/// below it, whose elements are independent: no sum waits for the one before.
 bool BoundedProblem::solve_symmetric(std::size_t size) {
+  diagonal_.resize(size);
+  for (std::size_t i = 0; i < size; ++i) diagonal_[i] = matrix_[i * size + i];
   for (std::size_t i = 0; i < size; ++i) {
     double* row = &matrix_[i * size];
-    for (std::size_t j = 0; j < i; ++j) {
-      const double* other = &matrix_[j * size];
-      double sum = row[j];
-      for (std::size_t k = 0; k < j; ++k) sum -= row[k] * other[k];
-      row[j] = sum * other[j];
+    if (!(row[i] > smallest_pivot * diagonal_[i])) return false;
+    const double reciprocal = row[i] = 1.0 / std::sqrt(row[i]);
+    for (std::size_t k = i + 1; k < size; ++k) row[k] *= reciprocal;
+    for (std::size_t j = i + 1; j < size; ++j) {
+      double* below = &matrix_[j * size];
+      const double factor = row[j];
+      for (std::size_t k = j; k < size; ++k) below[k] -= factor * row[k];
     }
-    const double diagonal = row[i];
-    double square = diagonal;
-    for (std::size_t k = 0; k < i; ++k) square -= row[k] * row[k];
-    if (!(square > smallest_pivot * diagonal)) return false;
-    row[i] = 1.0 / std::sqrt(square);
   }
   for (std::size_t i = 0; i < size; ++i) {
     const double* row = &matrix_[i * size];
-    for (std::size_t k = 0; k < i; ++k) right_[i] -= row[k] * right_[k];
-    right_[i] *= row[i];
+    const double value = right_[i] *= row[i];
+    for (std::size_t k = i + 1; k < size; ++k) right_[k] -= row[k] * value;
   }
   for (std::size_t i = size; i-- > 0;) {
     const double* row = &matrix_[i * size];
-    right_[i] *= row[i];
-    for (std::size_t k = 0; k < i; ++k) right_[k] -= row[k] * right_[i];
+    double sum = right_[i];
+    for (std::size_t k = i + 1; k < size; ++k) sum -= row[k] * right_[k];
+    right_[i] = sum * row[i];
   }
   return true;
 }
@@ -238,10 +239,10 @@ bool BoundedProblem::step_along_free_rows() {
 }
 
 /// Friction's bounds are kept constant in each round, and follow the impulses of the normals between the rounds.
-bool BoundedProblem::solve_in_rounds(double tolerance, Outcome& outcome) {
+bool BoundedProblem::solve_in_rounds(double tolerance, int steps, Outcome& outcome) {
   constexpr double of_box = 0.01;  // share of the tolerance
   normals_ = x_;
-  for (int round = 0; round < most_rounds && outcome.newton_steps < most_steps(rows()); ++round) {
+  for (int round = 0; round < most_rounds && outcome.newton_steps < affordable(steps, rows()); ++round) {
     for (std::size_t i = 0; i < rows(); ++i) normals_[i] += share_of_round(round) * (x_[i] - normals_[i]);
     before_ = std::exchange(x_, normals_);
     low_.resize(rows());
@@ -273,7 +274,7 @@ bool BoundedProblem::accept(double tolerance, Outcome& outcome) {
   return outcome.error <= tolerance;
 }
 
-BoundedProblem::Outcome BoundedProblem::solve(double tolerance) {
+BoundedProblem::Outcome BoundedProblem::solve(double tolerance, int steps) {
   Outcome outcome{infinite, 0};
   best_.clear();
   sweep();
@@ -283,7 +284,7 @@ BoundedProblem::Outcome BoundedProblem::solve(double tolerance) {
     if (accept(tolerance, outcome)) return outcome;
   }
   x_ = start;
-  solve_in_rounds(tolerance, outcome);
+  solve_in_rounds(tolerance, steps, outcome);
   if (!best_.empty()) x_ = best_;
   return outcome;
 }

@@ -42,8 +42,10 @@ class BoundedProblem {
   /// Before solve() an estimate, after it the solution.
   double& x(std::size_t row) { return x_[row]; }
 
-  /// Solves until the error is at most `tolerance`. If that isn't reached, x is the best approximation found.
-  Outcome solve(double tolerance);
+  static constexpr int most_steps = 3000;
+  /// Solves until the error is at most `tolerance`. If that isn't reached in about `steps` Newton steps, x is the best
+  /// approximation found.
+  Outcome solve(double tolerance, int steps = most_steps);
 
  private:
   enum class At { inside, fixed, sliding };
@@ -68,7 +70,7 @@ class BoundedProblem {
   double clamped(std::size_t row, double value) const;
   bool step_along_free_rows();
   void solve_box(double tolerance, Outcome& outcome);
-  bool solve_in_rounds(double tolerance, Outcome& outcome);
+  bool solve_in_rounds(double tolerance, int steps, Outcome& outcome);
   bool accept(double tolerance, Outcome& outcome);
   bool solve_symmetric(std::size_t size);
   bool solve_general(std::size_t size);
@@ -78,7 +80,7 @@ class BoundedProblem {
   // scratch of solve()
   std::vector<Place> places_;
   std::vector<std::size_t> free_rows_, bounded_rows_;  // inside their bounds, and the others
-  std::vector<double> matrix_, right_, best_, start_, before_;
+  std::vector<double> matrix_, right_, diagonal_, best_, start_, before_;
   std::vector<double> low_, high_, slacks_, from_, normals_;
 };
 

@@ -8,58 +8,24 @@ namespace rehearse {
 void Island::clear() {
   trees_.clear();
   drives_.clear();
+  stops_.clear();
   rows_.clear();
-  joint_sizes_.clear();
-  momenta_.clear();
+  joint_rows_.clear();
+  moves_.clear();
 }
 
-void Island::add_trees(int first, int last) {
-  trees_.emplace_back(first, last);
-  for (int body = first; body < last; ++body) {
-    joint_sizes_.push_back(forest_.bodies()[body].joint.size());
-    momenta_.push_back(forest_.bodies()[body].momentum);
-  }
-}
-
-int Island::add_row(const BoundedRow& row) {
-  rows_.push_back(row);
-  return static_cast<int>(rows_.size()) - 1;
-}
-
-void Island::apply(int body, const Vector6d& direction, double impulse) {
-  if (body >= 0) forest_.bodies()[body].momentum += direction * impulse;
-}
-
-double Island::velocity_of(const BoundedRow& row) const {
-  const double of_body = dot6(row.row.first, forest_.velocity(row.body));
-  return row.other < 0 ? of_body : of_body + dot6(row.row.second, forest_.velocity(row.other));
-}
-
-double Island::velocity_of(const LimitedDrive& drive) const {
-  const double of_body = dot6(drive.row.first, forest_.velocity(drive.body));
-  const int parent = forest_.bodies()[drive.body].parent;
-  return parent < 0 ? of_body : of_body + dot6(drive.row.second, forest_.velocity(parent));
-}
-
-/// Sets joints and momenta to those that the states of the drives imply.
+/// Sets the drives of joints to what their states imply.
 void Island::assume_drives() {
-  std::size_t place = 0;
-  for (const auto& [first, last] : trees_) {
-    for (int body = first; body < last; ++body, ++place) {
-      forest_.bodies()[body].joint.truncate(joint_sizes_[place]);
-      forest_.bodies()[body].momentum = momenta_[place];
-    }
-  }
-  bounded_drives_.clear();
-  for (std::size_t i = 0; i < drives_.size(); ++i) {
-    LimitedDrive& drive = drives_[i];
+  for (LimitedDrive& drive : drives_) {
     TreeBody& body = forest_.bodies()[drive.body];
-    if (drive.state == LimitedDrive::State::holds) body.joint.add() = drive.row;
-    if (drive.state == LimitedDrive::State::bounded) bounded_drives_.push_back(i);
-    if (drive.state != LimitedDrive::State::at_lower && drive.state != LimitedDrive::State::at_upper) continue;
-    drive.impulse = drive.state == LimitedDrive::State::at_upper ? drive.limit : -drive.limit;
-    apply(drive.body, drive.row.first, drive.impulse);
-    apply(body.parent, drive.row.second, drive.impulse);
+    body.drive.reset();
+    body.push = 0.0;
+    switch (drive.state) {
+      case LimitedDrive::State::holds: body.drive = drive.drive; break;
+      case LimitedDrive::State::at_upper: body.push = drive.impulse = drive.limit; break;
+      case LimitedDrive::State::at_lower: body.push = drive.impulse = -drive.limit; break;
+      case LimitedDrive::State::bounded: break;
+    }
   }
 }
 
@@ -70,68 +36,112 @@ bool Island::check_drives() {
   for (LimitedDrive& drive : drives_) {
     if (drive.state == LimitedDrive::State::bounded) continue;
     if (drive.state == LimitedDrive::State::holds) {
-      const std::size_t row = forest_.bodies()[drive.body].joint.size() - 1;  // the drive's is the last
-      drive.impulse = forest_.impulses(drive.body)[row];
+      drive.impulse = forest_.drive_impulse(drive.body);
       if (std::abs(drive.impulse) <= drive.limit * (1.0 + ample)) continue;
+      forest_.change_drive(drive.body);
     } else {
-      const double missing = drive.row.target - velocity_of(drive) - drive.row.softness * drive.impulse;
+      const double missing = drive.drive.target - forest_.rate(drive.body) - drive.drive.softness * drive.impulse;
       if (drive.state == LimitedDrive::State::at_upper ? missing >= 0.0 : missing <= 0.0) continue;
     }
-    if (drive.state == LimitedDrive::State::holds) forest_.change_joint(drive.body);
     drive.state = LimitedDrive::State::bounded;
     right = false;
   }
   return right;
 }
 
-int Island::unit_columns(int body) {
-  for (const Units& units : units_)
-    if (units.body == body) return units.column;
-  forest_.add_unit_columns(body);
-  group_columns_.push_back(columns_);
-  units_.push_back({body, columns_});
-  columns_ += 6;
-  return units_.back().column;
+/// Returns false if a joint leaves the range of its stops. A drive that holds has a target between them.
+bool Island::check_stops() {
+  constexpr double ample = 1e-9;   // [rad/s] or [m/s]
+  constexpr int most_changes = 3;  // of one stop in a step
+  bool right = true;
+  for (Stop& stop : stops_) {
+    if (stop.state == Stop::State::locked || stop.impulse != 0.0 || stop.changes == most_changes) continue;
+    if (forest_.bodies()[stop.body].drive) continue;
+    const double rate = forest_.rate(stop.body);
+    const auto wanted = rate > stop.highest + ample  ? Stop::State::at_upper
+                        : rate < stop.lowest - ample ? Stop::State::at_lower
+                                                     : stop.state;
+    if (wanted == stop.state) continue;
+    stop.state = wanted;
+    ++stop.changes;
+    right = false;
+  }
+  return right;
 }
 
-void Island::add_actions() {
+const Island::Columns& Island::columns_of(int body, bool of_joint) {
+  for (const Columns& columns : columns_)
+    if (columns.body == body && columns.of_joint == of_joint) return columns;
+  const int group = of_joint ? forest_.add_joint_column(body) : forest_.add_body_columns(body);
+  columns_.push_back({body, of_joint, group, column_count_});
+  column_count_ += of_joint ? 1 : 6;
+  return columns_.back();
+}
+
+/// Returns the velocity along the direction.
+double Island::add_terms(int body, const Vector6d& direction) {
+  if (body < 0) return 0.0;
+  const int first = columns_of(body, false).first;
+  for (int i = 0; i < 6; ++i)
+    if (direction[i] != 0.0) terms_.push_back({first + i, direction[i]});
+  return dot6(direction, forest_.velocity(body));
+}
+
+double Island::add_terms(int joint, double factor) {
+  if (joint < 0) return 0.0;
+  terms_.push_back({columns_of(joint, true).first, factor});
+  return factor * forest_.rate(joint);
+}
+
+/// Of the terms that were added since the last one.
+void Island::add_constraint(double velocity, double target, double softness, const BoundedProblem::Bounds& bounds,
+                            double& impulse) {
+  const std::size_t begin = constraints_.empty() ? 0 : constraints_.back().end;
+  constraints_.push_back({begin, terms_.size(), velocity, target, softness, bounds, &impulse});
+}
+
+/// Rows of bodies come first: bounds of friction refer to their indices.
+void Island::add_constraints() {
   forest_.clear_columns();
-  columns_ = 0;
-  units_.clear();
-  group_columns_.clear();
-  actions_.clear();
-  all_ = rows_;
-  for (const std::size_t i : bounded_drives_) {
-    const LimitedDrive& drive = drives_[i];
-    all_.push_back(
-        {drive.body, forest_.bodies()[drive.body].parent, drive.row, {-drive.limit, drive.limit, -1}, drive.impulse});
+  column_count_ = 0;
+  columns_.clear();
+  terms_.clear();
+  constraints_.clear();
+  for (BoundedRow& row : rows_) {
+    const double of_body = add_terms(row.body, row.row.first);
+    add_constraint(of_body + add_terms(row.other, row.row.second), row.row.target, row.row.softness, row.bounds,
+                   row.impulse);
   }
-  for (const BoundedRow& row : all_) {
-    Action& action = actions_.emplace_back();
-    action.single = row.other >= 0 && forest_.bodies()[row.body].parent == row.other;
-    if (action.single) {
-      forest_.add_column(row.body, row.row.first, row.row.second);
-      group_columns_.push_back(columns_);
-      action.first = columns_++;
-    } else {
-      action.first = unit_columns(row.body);
-      if (row.other >= 0) action.second = unit_columns(row.other);
-    }
+  for (JointRow& row : joint_rows_) {
+    const double of_body = add_terms(row.body, 1.0);
+    add_constraint(of_body + add_terms(row.other, row.factor), row.target, row.softness, row.bounds, row.impulse);
+  }
+  for (Stop& stop : stops_) {
+    if (stop.state == Stop::State::free) continue;
+    BoundedProblem::Bounds bounds;
+    if (stop.state == Stop::State::at_lower) bounds.lower = 0.0;
+    if (stop.state == Stop::State::at_upper) bounds.upper = 0.0;
+    const double target = stop.state == Stop::State::at_lower ? stop.lowest : stop.highest;
+    add_constraint(add_terms(stop.body, 1.0), target, stop.softness, bounds, stop.impulse);
+  }
+  for (LimitedDrive& drive : drives_) {
+    if (drive.state != LimitedDrive::State::bounded) continue;
+    add_constraint(add_terms(drive.body, 1.0), drive.drive.target, drive.drive.softness,
+                   {-drive.limit, drive.limit, -1}, drive.impulse);
   }
 }
 
 void Island::set_products() {
-  const auto count = static_cast<std::size_t>(columns_);
+  const auto count = static_cast<std::size_t>(column_count_);
   products_.resize(count * count);
-  const int groups = static_cast<int>(group_columns_.size());
-  for (int i = 0; i < groups; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      const auto row = static_cast<std::size_t>(group_columns_[i]),
-                 column = static_cast<std::size_t>(group_columns_[j]);
-      forest_.multiply(i, j, &products_[row * count + column], count);
-      if (i == j) continue;
-      for (int r = 0; r < forest_.width(i); ++r)
-        for (int c = 0; c < forest_.width(j); ++c)
+  for (const Columns& one : columns_) {
+    const auto row = static_cast<std::size_t>(one.first);
+    for (const Columns& other : columns_) {
+      const auto column = static_cast<std::size_t>(other.first);
+      forest_.multiply(one.group, other.group, &products_[row * count + column], count);
+      if (&one == &other) break;
+      for (int r = 0; r < forest_.width(one.group); ++r)
+        for (int c = 0; c < forest_.width(other.group); ++c)
           products_[(column + c) * count + row + r] = products_[(row + r) * count + column + c];
     }
   }
@@ -139,80 +149,96 @@ void Island::set_products() {
 
 /// A = J V J', with the velocities V that unit impulses along the columns cause.
 void Island::set_problem() {
-  const auto count = static_cast<std::size_t>(columns_);
-  problem_.reset(all_.size());
+  const auto count = static_cast<std::size_t>(column_count_);
+  problem_.reset(constraints_.size());
   half_.resize(count);
-  for (std::size_t i = 0; i < all_.size(); ++i) {
-    const Row& row = all_[i].row;
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    const Constraint& row = constraints_[i];
     std::ranges::fill(half_, 0.0);
-    const auto add_columns = [&](int first, const Vector6d& direction) {
-      for (int k = 0; k < 6; ++k)
-        for (std::size_t c = 0; c < count; ++c) half_[c] += direction[k] * products_[(first + k) * count + c];
-    };
-    if (actions_[i].single) {
-      const double* products = &products_[static_cast<std::size_t>(actions_[i].first) * count];
-      std::copy(products, products + count, half_.begin());
-    } else {
-      add_columns(actions_[i].first, row.first);
-      if (actions_[i].second >= 0) add_columns(actions_[i].second, row.second);
+    for (std::size_t t = row.begin; t < row.end; ++t) {
+      const double* line = &products_[static_cast<std::size_t>(terms_[t].column) * count];
+      const double factor = terms_[t].factor;
+      for (std::size_t c = 0; c < count; ++c) half_[c] += factor * line[c];
     }
     for (std::size_t j = 0; j <= i; ++j) {
-      const Row& other = all_[j].row;
       double sum = 0.0;
-      if (actions_[j].single) {
-        sum = half_[actions_[j].first];
-      } else {
-        for (int k = 0; k < 6; ++k) sum += half_[actions_[j].first + k] * other.first[k];
-        if (actions_[j].second >= 0)
-          for (int k = 0; k < 6; ++k) sum += half_[actions_[j].second + k] * other.second[k];
-      }
+      for (std::size_t t = constraints_[j].begin; t < constraints_[j].end; ++t)
+        sum += half_[static_cast<std::size_t>(terms_[t].column)] * terms_[t].factor;
       problem_.a(i, j) = problem_.a(j, i) = sum;
     }
     problem_.a(i, i) += row.softness;
-    problem_.b(i) = row.target - velocity_of(all_[i]);
-    problem_.bounds(i) = all_[i].bounds;
-    problem_.x(i) = all_[i].impulse;
+    problem_.b(i) = row.target - row.velocity;
+    problem_.bounds(i) = row.bounds;
+    problem_.x(i) = *row.impulse;
   }
 }
 
-void Island::push(int body, const Vector6d& direction, double impulse) {
-  if (body < 0 || impulse == 0.0) return;
-  for (auto& [of, momentum] : pushes_) {
-    if (of != body) continue;
-    momentum += direction * impulse;
-    return;
+/// Gives the impulses of the rows to the forest.
+void Island::push() {
+  pushes_.assign(static_cast<std::size_t>(column_count_), 0.0);
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    const double impulse = *constraints_[i].impulse = problem_.x(i);
+    for (std::size_t t = constraints_[i].begin; t < constraints_[i].end; ++t)
+      pushes_[static_cast<std::size_t>(terms_[t].column)] += terms_[t].factor * impulse;
   }
-  pushes_.emplace_back(body, direction * impulse);
+  for (const Columns& columns : columns_) {
+    const double* of = &pushes_[static_cast<std::size_t>(columns.first)];
+    if (columns.of_joint)
+      forest_.push_joint(columns.body, *of);
+    else
+      forest_.push(columns.body, Eigen::Map<const Vector6d>(of));
+  }
 }
 
-BoundedProblem::Outcome Island::solve_once(double tolerance) {
+BoundedProblem::Outcome Island::solve_once(double tolerance, int steps) {
   for (const auto& [first, last] : trees_) forest_.solve(first, last);
-  add_actions();
-  if (all_.empty()) return {0.0, 0};
+  add_constraints();
+  if (constraints_.empty()) return {0.0, 0};
   set_products();
   set_problem();
-  const BoundedProblem::Outcome outcome = problem_.solve(tolerance);
-  pushes_.clear();
-  for (std::size_t i = 0; i < all_.size(); ++i) {
-    const double impulse = problem_.x(i);
-    push(all_[i].body, all_[i].row.first, impulse);
-    push(all_[i].other, all_[i].row.second, impulse);
-    (i < rows_.size() ? rows_[i].impulse : drives_[bounded_drives_[i - rows_.size()]].impulse) = impulse;
-  }
-  for (const auto& [body, momentum] : pushes_) forest_.push(body, momentum);
+  const BoundedProblem::Outcome outcome = problem_.solve(tolerance, steps);
+  push();
   for (const auto& [first, last] : trees_) forest_.descend(first, last);
   return outcome;
 }
 
-BoundedProblem::Outcome Island::solve(double tolerance) {
-  assume_drives();
-  for (const auto& [first, last] : trees_) forest_.factor(first, last);
-  for (;;) {  // each repetition has one more bounded drive
-    const BoundedProblem::Outcome outcome = solve_once(tolerance);
-    if (check_drives()) return outcome;
+/// Each repetition has one more row.
+BoundedProblem::Outcome Island::settle(double tolerance, int steps) {
+  for (;;) {
+    const BoundedProblem::Outcome outcome = solve_once(tolerance, steps);
+    const bool right = check_drives();
+    if (check_stops() && right) return outcome;
     assume_drives();
     for (const auto& [first, last] : trees_) forest_.refactor(first, last);
   }
+}
+
+/// The rates that move joints back to their stops are for the step's motion only.
+void Island::withdraw_corrections() {
+  for (const auto& [first, last] : trees_)
+    for (int body = first; body < last; ++body) moves_.emplace_back(body, forest_.velocity(body));
+  for (Stop& stop : stops_) {
+    if (!stop.corrects) continue;
+    stop.lowest = std::min(stop.lowest, 0.0);
+    stop.highest = std::max(stop.highest, 0.0);
+    if (stop.state == Stop::State::locked) stop.lowest = stop.highest = 0.0;
+  }
+}
+
+BoundedProblem::Outcome Island::solve(double tolerance, int steps) {
+  assume_drives();
+  for (const auto& [first, last] : trees_) forest_.factor(first, last);
+  const BoundedProblem::Outcome outcome = settle(tolerance, steps);
+  if (std::ranges::none_of(stops_, [](const Stop& stop) { return stop.corrects && stop.impulse != 0.0; }))
+    return outcome;
+  withdraw_corrections();
+  const BoundedProblem::Outcome second = settle(tolerance, steps);
+  return {std::max(outcome.error, second.error), outcome.newton_steps + second.newton_steps};
+}
+
+const Vector6d& Island::moving_velocity(int body) const {
+  const auto found = std::ranges::find(moves_, body, [](const auto& move) { return move.first; });
+  return found == moves_.end() ? forest_.velocity(body) : found->second;
 }
 
 }  // namespace rehearse

@@ -50,10 +50,7 @@ class RowList {
     rows_[count_] = {};
     return rows_[count_++];
   }
-  /// Removes all rows from that one on.
-  void truncate(std::size_t count) { count_ = std::min(count, count_); }
   std::size_t size() const { return count_; }
-  bool empty() const { return count_ == 0; }
   Row& operator[](std::size_t i) { return rows_[i]; }
   const Row& operator[](std::size_t i) const { return rows_[i]; }
   const Row* begin() const { return rows_.data(); }
@@ -63,9 +60,5 @@ class RowList {
   std::array<Row, Capacity> rows_;
   std::size_t count_ = 0;
 };
-
-/// A body that a joint fixes entirely has 6 rows; damping of the joint adds one.
-inline constexpr std::size_t most_joint_rows = 7;
-using JointRows = RowList<most_joint_rows>;
 
 }  // namespace rehearse

@@ -13,6 +13,7 @@
 namespace rehearse {
 namespace {
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::uint8_t motion_drives = drive_displacement | drive_velocity;
 constexpr double rounding = 1e-9;  // [steps]: 6 ms are 6 steps of 1 ms, whatever their quotient rounds to
 
@@ -75,13 +76,16 @@ JointCommand ActuatorStage::pass(const JointCommand& written, double q, double d
     acting.drive = drive_effort;
   }
   ++steps_;
-  drives_effort_ = wanted_ = effort_ = 0.0;
+  drives_effort_ = wanted_ = effort_ = slope_ = 0.0;
   if (acting.drive & motion_drives) return acting;
   drives_effort_ = 1.0;
   wanted_ = lagged(acting.drive & drive_effort ? acting.u : 0.0);
   const EffortRange range = effort_range(actuator_, dq);
   const double limited = std::clamp(wanted_, range.lower, range.upper);
   acting.u = effort_ = hot_ != 0.0 ? std::clamp(limited, -thermal_limit(), thermal_limit()) : limited;
+  const bool on_line = actuator_.stall_effort && actuator_.no_load_velocity && effort_ != wanted_ &&
+                       std::abs(effort_) < std::min(actuator_.effort.value_or(infinite), thermal_limit());
+  if (on_line) slope_ = *actuator_.stall_effort / *actuator_.no_load_velocity;
   acting.drive |= drive_effort;
   return acting;
 }
@@ -92,12 +96,13 @@ JointCommand ActuatorStage::under_faults(const JointCommand& acting, double q) {
   const FaultedCommand faulted = rehearse::under_faults(actuator_.faults, acting, now, time_step_);
   wanted_ *= faulted.factor;
   effort_ *= faulted.factor;
+  slope_ *= faulted.factor;
   drive_share_ = faulted.drive_share;
   if (faulted.is_locked && locked_ == 0.0) locked_at_ = q;
   locked_ = faulted.is_locked ? 1.0 : 0.0;
   if (!faulted.is_locked) return faulted.command;
   drive_share_ = std::numeric_limits<double>::infinity();
-  drives_effort_ = wanted_ = effort_ = 0.0;
+  drives_effort_ = wanted_ = effort_ = slope_ = 0.0;
   return {drive_displacement, locked_at_, 0.0, 0.0};
 }
 

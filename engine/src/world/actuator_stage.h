@@ -26,6 +26,12 @@ class ActuatorStage {
   double drive_share() const { return drive_share_; }
   /// The largest effort that its heat allows in this step; infinity: it isn't hot [N·m] or [N].
   double thermal_limit() const;
+  /// By which that effort falls with the velocity in this step: on a torque-speed line [N·m·s] or [N·s/m].
+  double slope() const { return slope_; }
+  /// The mean of the effort in the step, with its slope.
+  void take_effort(double effort) {
+    if (slope_ > 0.0) effort_ = effort;
+  }
   /// Whether the last step's command was an effort, that of the drive's own loop included.
   bool drives_effort() const { return drives_effort_ != 0.0; }
   /// That effort before its limits, and after them [N·m] or [N].
@@ -59,11 +65,13 @@ class ActuatorStage {
   double drives_effort_ = 0.0;         // 1: true
   double wanted_ = 0.0;
   double effort_ = 0.0;
-  double locked_ = 0.0;       // 1: a fault locks the joint
-  double locked_at_ = 0.0;    // its displacement then
-  double heat_ = 0.0;         // mean square of the effort
-  double hot_ = 0.0;          // 1: its effort is limited to the continuous one
-  double drive_share_ = 1.0;  // not part of the state: each step determines it
+  double locked_ = 0.0;     // 1: a fault locks the joint
+  double locked_at_ = 0.0;  // its displacement then
+  double heat_ = 0.0;       // mean square of the effort
+  double hot_ = 0.0;        // 1: its effort is limited to the continuous one
+  // not part of the state: each step determines them
+  double drive_share_ = 1.0;
+  double slope_ = 0.0;
 };
 
 }  // namespace rehearse

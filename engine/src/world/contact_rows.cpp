@@ -10,10 +10,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Contacts yield more than joints. With ODE's softness the forces between feet that stiff drives press against each
-/// other depend on the last bits of positions: by 0.1 N for a robot of 127 kg. With this one a foot creeps by 1e-6 m/s
-/// under a friction of 100 N, and sinks by 3e-8 m under 1 kN.
-constexpr double contact_softness = 100.0;  // of a joint's
+/// Contacts of bodies with joints yield more than ODE's. With its softness the forces between feet that stiff drives
+/// press against each other depend on the last bits of positions: by 0.1 N for a robot of 127 kg. With this one a foot
+/// creeps by 1e-6 m/s under a friction of 100 N, and sinks by 3e-8 m under 1 kN.
+constexpr double contact_softness = 100.0;  // of a drive's
 
 bool has(const dSurfaceParameters& surface, int mode) { return (surface.mode & mode) == mode; }
 
@@ -49,7 +49,8 @@ ContactRows contact_rows(const dContact& contact, dBodyID first, dBodyID second,
   const Vector3d point = vector(contact.geom.pos);
   const Vector3d arm = point - vector(dBodyGetPosition(first));
   const Vector3d second_arm = second ? Vector3d(point - vector(dBodyGetPosition(second))) : Vector3d(Vector3d::Zero());
-  const double layer_softness = contact_softness * correction.law.softness, time_step = correction.law.time_step;
+  const double layer_softness = (correction.has_joint ? contact_softness : 1.0) * correction.law.softness,
+               time_step = correction.law.time_step;
   const Vector3d normal = reversed ? Vector3d(-vector(contact.geom.normal)) : vector(contact.geom.normal);
 
   ContactRows rows;
@@ -64,7 +65,8 @@ ContactRows contact_rows(const dContact& contact, dBodyID first, dBodyID second,
   push.target = normal_target(contact, rate_of(push, first, second), correction);
   add(push, has(surface, dContactSoftCFM) ? surface.soft_cfm / time_step : layer_softness, 0.0,
       BoundedProblem::infinite, -1, true);
-  if (!(surface.mu > 0.0)) return rows;
+  const bool rolls = has(surface, dContactRolling), rubs = surface.mu > 0.0;
+  if (!rubs && !rolls) return rows;
 
   Vector3d along, across;
   if (has(surface, dContactFDir1)) {
@@ -79,15 +81,16 @@ ContactRows contact_rows(const dContact& contact, dBodyID first, dBodyID second,
   }
   Row friction = force_row(along, arm, second_arm);
   if (has(surface, dContactMotion1)) friction.target = surface.motion1;
-  add(friction, has(surface, dContactSlip1) ? surface.slip1 / time_step : layer_softness, -surface.mu, surface.mu, 0,
-      true);
+  if (rubs)
+    add(friction, has(surface, dContactSlip1) ? surface.slip1 / time_step : layer_softness, -surface.mu, surface.mu, 0,
+        true);
   const double mu2 = has(surface, dContactMu2) ? surface.mu2 : surface.mu;
-  if (mu2 > 0.0) {
+  if (rubs && mu2 > 0.0) {
     friction = force_row(across, arm, second_arm);
     if (has(surface, dContactMotion2)) friction.target = surface.motion2;
     add(friction, has(surface, dContactSlip2) ? surface.slip2 / time_step : layer_softness, -mu2, mu2, 0, true);
   }
-  if (!has(surface, dContactRolling)) return rows;
+  if (!rolls) return rows;
   const std::array<double, 3> limits{surface.rho, surface.rho2, surface.rhoN};
   const std::array<Vector3d, 3> axes{along, across, normal};
   for (std::size_t i = 0; i < axes.size(); ++i) {

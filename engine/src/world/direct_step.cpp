@@ -17,7 +17,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double tolerance = 1e-10;           // of impulses, as a share of the weight of an island's bodies
+/// Of impulses, as a share of the weight of an island's bodies, and Newton steps to reach it. Bodies without joints
+/// often have many contacts near their limits of friction, and none depends on the last digits of their forces.
+constexpr double tolerance = 1e-10, loose_tolerance = 1e-7;
+constexpr int loose_steps = 300;
 constexpr double standard_gravity = 9.80665;  // [m/s²]
 
 /// The torque of ODE's gyroscopic mode, implicit (C. Lacoursière, Stabilizing Gyroscopic Forces in Rigid Multibody
@@ -45,16 +48,6 @@ void advance(dBodyID body, double time_step) {
 
 Vector6d velocity_of(dBodyID body) {
   return body ? spatial(vector(dBodyGetLinearVel(body)), vector(dBodyGetAngularVel(body))) : Vector6d(Vector6d::Zero());
-}
-
-/// Rows by which the body keeps its velocity in the step, whatever acts on it.
-void hold_velocity(dBodyID body, JointRows& rows) {
-  const Vector6d velocity = velocity_of(body);
-  for (int i = 0; i < 6; ++i) {
-    Row& row = rows.add();
-    row.first[i] = 1.0;
-    row.target = velocity[i];
-  }
 }
 
 }  // namespace
@@ -88,11 +81,17 @@ DirectStep::DirectStep(const WorldSettings& settings, double most_velocity,
     Tree& tree = trees_.back();
     tree.last = part + 1;
     tree.has_joint |= found[i].joint || found[i].plane;
+    tree.is_measured |= found[i].joint && found[i].joint->is_measured();
     trees_of_.push_back(static_cast<int>(trees_.size()) - 1);
     parents_.push_back(part_of(found[i].parent));
   }
+  for (const MovingPart& part : parts_) {
+    const auto leads = [&](const MovingPart& other) { return part.leader && other.joint == part.leader; };
+    const auto leader = std::ranges::find_if(parts_, leads);
+    leaders_.push_back(leader == parts_.end() ? -1 : static_cast<int>(leader - parts_.begin()));
+  }
   joint_places_.resize(parts_.size());
-  poses_.resize(parts_.size());
+  motions_.resize(parts_.size());
 }
 
 /// -1: nothing moves it, or commands do.
@@ -139,6 +138,8 @@ void DirectStep::find_islands(const Touches& touches, const std::vector<const Jo
   };
   for (const Touches::Contact& touch : touches.contacts()) unite(tree_of(touch.a.ode), tree_of(touch.b.ode));
   for (const JointGuide* each : connections) unite(tree_of(each->first()), tree_of(each->second()));
+  for (std::size_t part = 0; part < parts_.size(); ++part)
+    if (leaders_[part] >= 0) unite(trees_of_[part], trees_of_[leaders_[part]]);
 
   std::vector<int> contacts(count, 0);
   std::vector<bool> has_joint(count, false);
@@ -153,19 +154,25 @@ void DirectStep::find_islands(const Touches& touches, const std::vector<const Jo
   }
   island_count_ = 0;
   leaves_bodies_ = false;
-  crowded_contacts_ = 0;
+  crowd_ = {};
+  have_joints_.clear();
   int bodies = 0;
   std::vector<int> islands(count, -1);
   for (int i = 0; i < count; ++i) {
     Tree& tree = trees_[i];
     const int of = find(i);
     tree.island = -1;
-    if (has_joint[of] && contacts[of] > most_contacts) crowded_contacts_ = std::max(crowded_contacts_, contacts[of]);
-    if (!has_joint[of] || contacts[of] > most_contacts) {
+    if (!dBodyIsEnabled(parts_[tree.first].body)) continue;  // it sleeps
+    const Crowd crowd{contacts[of], has_joint[of] ? most_contacts : most_loose_contacts};
+    if (crowd.contacts > crowd.most) {
+      if (crowd.contacts > crowd_.contacts) crowd_ = crowd;
       leaves_bodies_ = true;
       continue;
     }
-    if (islands[of] < 0) islands[of] = static_cast<int>(island_count_++);
+    if (islands[of] < 0) {
+      islands[of] = static_cast<int>(island_count_++);
+      have_joints_.push_back(has_joint[of]);
+    }
     tree.island = islands[of];
     tree.offset = bodies - tree.first;
     bodies += tree.last - tree.first;
@@ -182,16 +189,18 @@ void DirectStep::load() {
     for (int part = tree.first; part < tree.last; ++part) {
       load_body(part, forest_.bodies()[part + tree.offset]);
       load_joint(part, island);
+      couple(part, island);
     }
     island.add_trees(tree.first + tree.offset, tree.last + tree.offset);
   }
+  forest_.arrange();
 }
 
 void DirectStep::load_body(int index, TreeBody& body) {
   const MovingPart& part = parts_[index];
-  poses_[index] = BodyPose::of(part.body);
-  const Matrix3d& axes = poses_[index].rotation;
-  const Vector3d w = vector(dBodyGetAngularVel(part.body));
+  const BodyMotion& motion = motions_[index] = BodyMotion::of(part.body);
+  const Matrix3d& axes = motion.rotation;
+  const Vector3d& w = motion.angular_velocity;
   body.parent = parents_[index] < 0 ? -1 : parents_[index] + trees_[trees_of_[index]].offset;
   const double mass = part.weight->mass;
   body.mass = mass;
@@ -200,33 +209,46 @@ void DirectStep::load_body(int index, TreeBody& body) {
   if (dBodyGetGravityMode(part.body)) force += mass * gravity_;
   const Vector3d momentum =
       dBodyGetGyroscopicMode(part.body) ? turned_momentum(body.inertia, w, law_.time_step) : Vector3d(body.inertia * w);
-  body.momentum = spatial(mass * vector(dBodyGetLinearVel(part.body)) + law_.time_step * force,
+  body.momentum = spatial(mass * motion.velocity + law_.time_step * force,
                           momentum + law_.time_step * vector(dBodyGetTorque(part.body)));
-  body.joint.truncate(0);
+  body.gain = body.offset = body.push = 0.0;
+  body.drive.reset();
 }
 
 void DirectStep::load_joint(int index, Island& island) {
   const MovingPart& part = parts_[index];
   JointPlace& place = joint_places_[index];
   place = {};
-  const int body = index + trees_[trees_of_[index]].offset;
-  JointRows& rows = forest_.bodies()[body].joint;
-  if (dBodyIsKinematic(part.body)) return hold_velocity(part.body, rows);
-  if (part.plane) part.plane->add_rows(law_, rows);
-  if (!part.joint) return;
-  static const BodyPose world;
-  const JointPoses poses{poses_[index], parents_[index] < 0 ? world : poses_[parents_[index]]};
-  part.joint->add_rows(law_, poses, rows);
-  if (std::optional<LimitedDrive> drive = part.joint->limited_drive(law_, poses)) {
-    drive->body = body;
-    place.drive = static_cast<int>(island.drives().size());
-    island.add_drive(*drive);
+  const int at = index + trees_[trees_of_[index]].offset;
+  TreeBody& body = forest_.bodies()[at];
+  if (dBodyIsKinematic(part.body)) {  // it keeps its velocity, whatever acts on it
+    body.joint = {};
+    body.joint.bias = spatial(motions_[index].velocity, motions_[index].angular_velocity);
+    return;
   }
-  if (std::optional<BoundedRow> stop = part.joint->reached_stop(law_, poses)) {
-    stop->body = body;
-    stop->other = forest_.bodies()[body].parent;
-    place.stop = island.add_row(*stop);
+  if (!part.joint) {
+    body.joint = part.plane ? part.plane->motion() : JointMotion::free();
+    return;
   }
+  static const BodyMotion world;
+  part.joint->describe(law_, {motions_[index], parents_[index] < 0 ? world : motions_[parents_[index]]}, body);
+  if (std::optional<LimitedDrive> drive = part.joint->limited_drive(law_)) {
+    drive->body = at;
+    place.drive = island.add_drive(*drive);
+  }
+  if (std::optional<Stop> stop = part.joint->stops(law_)) {
+    stop->body = at;
+    place.stop = island.add_stop(*stop);
+  }
+}
+
+void DirectStep::couple(int index, Island& island) {
+  const int leader = leaders_[index];
+  if (leader < 0) return;
+  JointRow row = parts_[index].joint->coupling(law_, *parts_[index].leader);
+  row.body = index + trees_[trees_of_[index]].offset;
+  row.other = leader + trees_[trees_of_[leader]].offset;
+  joint_places_[index].coupling = island.add_row(row);
 }
 
 BoundedRow DirectStep::row_between(const Row& row, dBodyID first, dBodyID second) const {
@@ -245,8 +267,8 @@ BoundedRow DirectStep::row_between(const Row& row, dBodyID first, dBodyID second
 
 void DirectStep::add_connection(const JointGuide& guide) {
   const int tree = std::max(tree_of(guide.first()), tree_of(guide.second()));
-  JointRows rows;
-  const BodyPose first = BodyPose::of(guide.first()), second = BodyPose::of(guide.second());
+  JointGuide::Rows rows;
+  const BodyMotion first = BodyMotion::of(guide.first()), second = BodyMotion::of(guide.second());
   guide.add_rows(law_, {first, second}, rows);
   for (const Row& row : rows) islands_[trees_[tree].island].add_row(row_between(row, guide.first(), guide.second()));
 }
@@ -259,10 +281,10 @@ void DirectStep::add(Touches::Contact& touch, const dContact& contact, const Vec
   // ODE's first body of a contact; if it is the world, the bodies are swapped
   const dBodyID first = touch.a.ode ? touch.a.ode : touch.b.ode;
   const dBodyID second = touch.a.ode ? touch.b.ode : nullptr;
-  const ContactRows made =
-      contact_rows(contact, first, second, !touch.a.ode, {law_, erp_, surface_layer_, most_velocity_});
   const int tree = trees_of_[std::max(part_of(touch.a.ode), part_of(touch.b.ode))];
   const int island_index = trees_[tree].island;
+  const ContactRows made = contact_rows(contact, first, second, !touch.a.ode,
+                                        {law_, erp_, surface_layer_, most_velocity_, have_joints_[island_index]});
   Island& island = islands_[island_index];
   ContactPlace place{&touch, island_index, -1, 0, {}};
   const Vector3d on_first = touch.a.ode ? estimate : Vector3d(-estimate);
@@ -283,7 +305,7 @@ void DirectStep::add(Touches::Contact& touch, const dContact& contact, const Vec
 
 DirectStep::Outcome DirectStep::solve() {
   Outcome outcome;
-  outcome.crowded_contacts = crowded_contacts_;
+  outcome.crowd = crowd_;
   std::vector<double> weights(island_count_, 0.0);
   for (const Tree& tree : trees_) {
     if (tree.island < 0) continue;
@@ -291,7 +313,9 @@ DirectStep::Outcome DirectStep::solve() {
       weights[tree.island] += standard_gravity * law_.time_step * parts_[part].weight->mass;
   }
   for (std::size_t i = 0; i < island_count_; ++i) {
-    const BoundedProblem::Outcome solved = islands_[i].solve(tolerance * weights[i]);
+    const BoundedProblem::Outcome solved = have_joints_[i]
+                                               ? islands_[i].solve(tolerance * weights[i])
+                                               : islands_[i].solve(loose_tolerance * weights[i], loose_steps);
     outcome.error = std::max(outcome.error, solved.error / weights[i]);
   }
   for (const Tree& tree : trees_) {
@@ -302,10 +326,8 @@ DirectStep::Outcome DirectStep::solve() {
   if (!outcome.finite) return outcome;
   for (const Tree& tree : trees_) {
     if (tree.island < 0) continue;
-    for (int part = tree.first; part < tree.last; ++part) {
-      finish_joint(part);
-      move(part);
-    }
+    finish_joints(tree);
+    for (int part = tree.first; part < tree.last; ++part) move(part, islands_[tree.island]);
     turn_to_targets(tree);
   }
   for (const ContactPlace& contact : contacts_) {
@@ -317,38 +339,41 @@ DirectStep::Outcome DirectStep::solve() {
   return outcome;
 }
 
-void DirectStep::finish_joint(int index) {
-  const MovingPart& part = parts_[index];
-  if (!part.joint) return;
-  const Tree& tree = trees_[trees_of_[index]];
+void DirectStep::finish_joints(const Tree& tree) {
+  if (!tree.has_joint) return;
   const Island& island = islands_[tree.island];
-  const JointPlace& place = joint_places_[index];
-  const Row* bounded = nullptr;
-  double impulse = 0.0;
-  if (place.drive >= 0 && island.drives()[place.drive].state != LimitedDrive::State::holds) {
-    bounded = &island.drives()[place.drive].row;  // one that holds is among the joint's rows
-    impulse = island.drives()[place.drive].impulse;
+  if (tree.is_measured) forest_.find_wrenches(tree.first + tree.offset, tree.last + tree.offset);
+  for (int index = tree.first; index < tree.last; ++index) {
+    OdeJoint* joint = parts_[index].joint;
+    if (!joint) continue;
+    const int body = index + tree.offset;
+    const JointPlace& place = joint_places_[index];
+    double impulse = forest_.bodies()[body].drive ? forest_.drive_impulse(body) : 0.0;
+    if (place.drive >= 0) impulse = island.drives()[place.drive].impulse;
+    if (place.coupling >= 0) impulse = island.joint_rows()[place.coupling].impulse;
+    joint->take_solution({forest_.rate(body), impulse / law_.time_step});
+    if (joint->is_measured()) joint->take_wrench(forest_.wrench(body) / law_.time_step);
   }
-  if (place.stop >= 0) {
-    bounded = &island.rows()[place.stop].row;
-    impulse = island.rows()[place.stop].impulse;
-  }
-  const int body = index + tree.offset;
-  part.joint->take_impulses(forest_.bodies()[body].joint, forest_.impulses(body), bounded, impulse, law_.time_step);
 }
 
-void DirectStep::move(int index) const {
+void DirectStep::move(int index, const Island& island) const {
   const dBodyID body = parts_[index].body;
-  const Vector6d& velocity = forest_.velocity(index + trees_[trees_of_[index]].offset);
-  dBodySetLinearVel(body, velocity[0], velocity[1], velocity[2]);
-  dBodySetAngularVel(body, velocity[3], velocity[4], velocity[5]);
+  const int at = index + trees_[trees_of_[index]].offset;
+  const auto set = [body](const Vector6d& velocity) {
+    dBodySetLinearVel(body, velocity[0], velocity[1], velocity[2]);
+    dBodySetAngularVel(body, velocity[3], velocity[4], velocity[5]);
+  };
+  set(island.moving_velocity(at));
   advance(body, law_.time_step);
+  set(forest_.velocity(at));
   dBodySetForce(body, 0.0, 0.0, 0.0);
   dBodySetTorque(body, 0.0, 0.0, 0.0);
 }
 
 /// Places links whose joints turn far in the step exactly, and all that they carry with them.
 void DirectStep::turn_to_targets(const Tree& tree) const {
+  const auto turns_far = [&](const MovingPart& part) { return part.joint && part.joint->turns_far(law_.time_step); };
+  if (std::none_of(parts_.begin() + tree.first, parts_.begin() + tree.last, turns_far)) return;
   std::vector<std::optional<Eigen::Isometry3d>> shifts(tree.last - tree.first);  // by part of the tree
   const auto place = [](dBodyID body, const BodyPose& pose) {
     const dQuaternion turn{pose.quaternion.w(), pose.quaternion.x(), pose.quaternion.y(), pose.quaternion.z()};

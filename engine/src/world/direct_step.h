@@ -1,9 +1,9 @@
 // DirectStep: the part of a step that Rehearse solves itself. Private to the world library.
 //
-// ODE has the bodies, the shapes and their contacts. For islands with joints, the velocities at the end of the step are
-// computed here: joints are equations (solver/forest.h), contacts and limits have bounds (solver/island.h). The
-// equations are those of ODE's joints, so the result is that of ODE's exact solver, at a cost that is linear in the
-// links. Islands without joints, and islands with many contacts, are left to ODE.
+// ODE has the bodies, the shapes and their contacts. The velocities of their islands at the end of the step are
+// computed here, in the coordinates of the joints (solver/forest.h); contacts and limits have bounds (solver/island.h).
+// The equations are those of ODE's joints, so a robot at rest has the velocities of ODE's exact solver, at a cost that
+// is linear in the links. Islands with many contacts are left to ODE.
 #pragma once
 
 #include <ode/ode.h>
@@ -25,13 +25,19 @@ namespace rehearse {
 
 class DirectStep {
  public:
-  /// Islands with more contacts are left to ODE: the cost grows with the third power of their number.
-  static constexpr int most_contacts = 100;
+  /// Islands with more contacts are left to ODE: the cost grows with the third power of their number. Bodies without
+  /// joints have a limit of their own: stacks need many more steps of the solver.
+  static constexpr int most_contacts = 100, most_loose_contacts = 48;
 
+  /// The contacts of an island that was left to ODE.
+  struct Crowd {
+    int contacts = 0;  // 0: there is none
+    int most = 0;      // that are solved here
+  };
   struct Outcome {
     bool finite = true;
-    double error = 0.0;        // the largest of an impulse, as a share of the island's weight
-    int crowded_contacts = 0;  // of the largest island with joints that was left to ODE
+    double error = 0.0;  // the largest of an impulse, as a share of the island's weight
+    Crowd crowd;         // the largest
   };
 
   /// `bodies` must outlive this. `most_velocity`: ODE's limit of the velocity that separates shapes [m/s].
@@ -53,14 +59,14 @@ class DirectStep {
 
  private:
   struct Tree {
-    int first, last;         // parts
-    bool has_joint = false;  // or another equation
-    int island = -1;         // index into islands_; -1: left to ODE
-    int offset = 0;          // of its bodies in the forest, from `first`
+    int first, last;           // parts
+    bool has_joint = false;    // or another equation
+    bool is_measured = false;  // a sensor reads the wrench of a joint
+    int island = -1;           // index into islands_; -1: left to ODE
+    int offset = 0;            // of its bodies in the forest, from `first`
   };
   struct JointPlace {
-    int drive = -1;  // index into the island's drives
-    int stop = -1;   // index into the island's rows
+    int drive = -1, stop = -1, coupling = -1;  // index into the island's drives, stops and joint rows
   };
   struct ContactPlace {
     Touches::Contact* touch;
@@ -77,11 +83,12 @@ class DirectStep {
   void load();
   void load_body(int part, TreeBody& body);
   void load_joint(int part, Island& island);
+  void couple(int part, Island& island);
   void add_connection(const JointGuide& guide);
   /// The row between two of ODE's bodies, of which at least one is solved here.
   BoundedRow row_between(const Row& row, dBodyID first, dBodyID second) const;
-  void finish_joint(int part);
-  void move(int part) const;
+  void finish_joints(const Tree& tree);
+  void move(int part, const Island& island) const;
   void turn_to_targets(const Tree& tree) const;
 
   StepLaw law_;
@@ -90,16 +97,18 @@ class DirectStep {
   std::vector<MovingPart> parts_;
   std::vector<int> trees_of_;  // by part
   std::vector<int> parents_;   // by part: the parent's part; -1: none
+  std::vector<int> leaders_;   // by part: that whose joint its own follows; -1: none
   std::vector<Tree> trees_;
   // of the step
   Forest forest_;
   std::vector<Island> islands_;
+  std::vector<bool> have_joints_;  // by island
   std::size_t island_count_ = 0;
-  std::vector<BodyPose> poses_;           // by part, at the beginning
+  std::vector<BodyMotion> motions_;       // by part, at the beginning
   std::vector<JointPlace> joint_places_;  // by part
   std::vector<ContactPlace> contacts_;
   bool leaves_bodies_ = false;
-  int crowded_contacts_ = 0;
+  Crowd crowd_;
 };
 
 }  // namespace rehearse

@@ -6,16 +6,17 @@ namespace rehearse {
 
 // With the gap's half b, the side s = +-1 that touches and the rotor's effort u, the unknowns at the step's end are the
 // rotor's rate w, the joint's v and the effort e:
-//   J (w - w0) = h (u - e)      e = k (angle + h w - q - h v - s b) + c (w - v)
-void GearPlay::prepare(std::optional<double> effort, double velocity, double q, double dq, double time_step) {
+//   J (w - w0) = h (u - slope (w - dq) - e)      e = k (angle + h w - q - h v - s b) + c (w - v)
+void GearPlay::prepare(std::optional<double> effort, double velocity, double q, double dq, double time_step,
+                       double slope) {
   if (begun_ == 0.0) {
     begun_ = 1.0;
     angle_ = q;
     rate_ = dq;
   }
   const double half = 0.5 * actuator_.backlash;
-  rate_by_effort_ = effort ? time_step / inertia_ : 0.0;
-  free_rate_ = effort ? rate_ + rate_by_effort_ * *effort : velocity;
+  rate_by_effort_ = effort ? time_step / (inertia_ + time_step * slope) : 0.0;
+  free_rate_ = effort ? rate_ + rate_by_effort_ * (*effort + slope * (dq - rate_)) : velocity;
   gain_ = offset_ = 0.0;
   const double reach = angle_ - q + time_step * (free_rate_ - dq);
   if (std::abs(reach) <= half) return;

@@ -16,8 +16,9 @@ class GearPlay {
   GearPlay(const Actuator& actuator, double inertia) : actuator_(actuator), inertia_(inertia) {}
 
   /// `effort`: of the motor [N·m] or [N]; nullopt: it moves the rotor at `velocity`, whatever that needs. The joint is
-  /// at `q` with the velocity `dq`.
-  void prepare(std::optional<double> effort, double velocity, double q, double dq, double time_step);
+  /// at `q` with the velocity `dq`. `slope`: by which the effort falls with the rotor's velocity, from that at `dq` on.
+  void prepare(std::optional<double> effort, double velocity, double q, double dq, double time_step,
+               double slope = 0.0);
   /// The effort of the gear on the joint is offset() - gain() * v, with the joint's velocity v at the step's end.
   double gain() const { return gain_; }
   double offset() const { return offset_; }

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "solver/rows.h"
+#include "solver/joint_motion.h"
 
 namespace rehearse {
 
@@ -28,27 +28,41 @@ struct BodyPose {
   static BodyPose of(dBodyID body);
 };
 
-/// The poses of the two bodies of a joint.
-struct JointPoses {
-  const BodyPose& first;
-  const BodyPose& second;
+/// A body of ODE at the beginning of a step; the world is at rest.
+struct BodyMotion : BodyPose {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          // of the centre of mass [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s]
+
+  static BodyMotion of(dBodyID body);
 };
 
-/// The equations are those of ODE's ball, hinge, slider and fixed joints (manual of ODE, 7.3 and 3.7), so that a direct
-/// solution has the same velocities.
+/// The two bodies of a joint.
+struct JointBodies {
+  const BodyMotion& first;
+  const BodyMotion& second;
+};
+
+/// The equations are those of ODE's ball, hinge, slider and fixed joints (manual of ODE, 7.3 and 3.7), and the rate at
+/// which they turn with the bodies. ODE leaves that out and corrects it as an error, a share in each step. A step's
+/// velocities belong to its middle, since positions move by them, and the equations to its beginning. So half of what
+/// the turning adds in a step is part of their right sides.
 class JointGuide {
  public:
   using Type = LoopJoint::Type;
+  static constexpr std::size_t most_rows = 6;
+  using Rows = RowList<most_rows>;
 
   /// The joint is in place at the bodies' current poses. `first` isn't null; if `second` is, it is the world.
   /// `anchor`: of fixed and prismatic joints unused [m]. `axis`: unit vector, of revolute and prismatic joints; world.
   JointGuide(Type type, dBodyID first, dBodyID second, const Eigen::Vector3d& anchor, const Eigen::Vector3d& axis);
 
   /// Adds the rows that hold the bodies together.
-  void add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
-  /// The row of the joint's own motion, of a revolute or prismatic joint. The effort of a slider acts halfway between
-  /// the centres of mass, as ODE's.
-  Row axis_row(const JointPoses& poses, double target, double softness) const;
+  void add_rows(const StepLaw& law, const JointBodies& bodies, Rows& rows) const;
+  /// The same of a revolute or prismatic joint, for the first body as a function of the second. The coordinate of a
+  /// slider is that of the centres of mass, with half of the angular velocity of each body.
+  JointMotion motion(const StepLaw& law, const JointBodies& bodies) const;
+  /// The rate of that coordinate.
+  double rate(const JointBodies& bodies) const;
 
   /// Of a revolute joint: the first body's pose at that displacement [rad], counted from the poses at construction.
   BodyPose first_at(double displacement, const BodyPose& second) const;
@@ -57,11 +71,19 @@ class JointGuide {
   dBodyID second() const { return second_; }
 
  private:
-  void hold_anchor(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
-  void hold_axis(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
-  void hold_rotation(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
-  void hold_line(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
-  void hold_center(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
+  /// The velocities that correct the errors, and half of what the turning of the equations adds.
+  Eigen::Vector3d anchor_target(const StepLaw& law, const JointBodies& bodies) const;
+  Eigen::Vector3d axis_target(const StepLaw& law, const JointBodies& bodies) const;
+  Eigen::Vector3d rotation_target(const StepLaw& law, const JointBodies& bodies) const;
+  Eigen::Vector3d line_target(const StepLaw& law, const JointBodies& bodies) const;
+  /// From the second body's centre of mass to the first one's; 0 for the world.
+  Eigen::Vector3d between(const JointBodies& bodies) const;
+
+  void hold_anchor(const StepLaw& law, const JointBodies& bodies, Rows& rows) const;
+  void hold_axis(const StepLaw& law, const JointBodies& bodies, Rows& rows) const;
+  void hold_rotation(const StepLaw& law, const JointBodies& bodies, Rows& rows) const;
+  void hold_line(const StepLaw& law, const JointBodies& bodies, Rows& rows) const;
+  void hold_center(const StepLaw& law, const JointBodies& bodies, Rows& rows) const;
 
   Type type_;
   dBodyID first_, second_;

@@ -35,7 +35,7 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   if (description().planar && groups_.front().body) plane_.emplace(world, groups_.front().body);
   set_velocities(initial_motions(description(), posture));
   for (std::size_t id = 0; id < slots_.size(); ++id)
-    if (!slots_[id].is_track) joints_[slots_[id].index].count_turns(description().joints[id]);
+    if (!slots_[id].is_track) joints_[slots_[id].index].begin(description().joints[id]);
 }
 
 void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std::vector<Isometry3d>& zero_posture) {
@@ -243,6 +243,7 @@ void OdeBody::act(const BodyCommand& command) {
     OdeJoint& joint = joints_[slots_[id].index];
     acting_[id] = stages_[id]->act(command.joints[id], joint.reading());
     joint.limit_drive(stages_[id]->drive_share(), stages_[id]->thermal_limit());
+    joint.lean_effort(stages_[id]->slope());
     joint.turn_rotor(acting_[id], time_step_);
   }
 }
@@ -375,6 +376,8 @@ void OdeBody::after_step() {
     if (dBodyIsKinematic(group.body)) dBodySetDynamic(group.body);
   }
   for (OdeJoint& joint : joints_) joint.after_step(time_step_);
+  for (std::size_t id = 0; id < stages_.size(); ++id)
+    if (stages_[id]) stages_[id]->take_effort(joints_[slots_[id].index].reading().u);
   force_sensors_->measure(model(), groups_, touches(), gravity_);
 }
 
@@ -469,7 +472,9 @@ std::vector<MovingPart> OdeBody::moving_parts() {
     if (i == 0 && plane_) part.plane = &*plane_;
     if (group.parent < 0) continue;
     part.parent = groups_[group.parent].body;
-    part.joint = &joints_[slots_[model().links[group.first_link].joint.id].index];
+    const Joint& joint = model().links[group.first_link].joint;
+    part.joint = &joints_[slots_[joint.id].index];
+    if (joint.mimic) part.leader = &joints_[slots_[joint.mimic->leader].index];
   }
   return parts;
 }
@@ -553,7 +558,7 @@ void OdeBody::after_restore() {
     const Vector3d position = vector(dBodyGetPosition(group.body));
     dBodySetPosition(group.body, position.x(), position.y(), position.z());  // updates the poses of its geoms
   }
-  for (OdeJoint& joint : joints_) joint.forget_rate();
+  for (OdeJoint& joint : joints_) joint.after_restore();
 }
 
 }  // namespace rehearse

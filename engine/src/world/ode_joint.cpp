@@ -78,8 +78,8 @@ void OdeJoint::set_resistance(int parameter, double value) {
 // The damper's effort is -d (s v1 + (1 - s) v0), with the velocities v0 before and v1 after the step and the share s of
 // share_of_end(). The rotor's is -J (v1 - v0) / dt. The spring's is -k (q0 - r + dt (v1 - v0) / 4), by which a spring
 // and a mass keep their energy for every stiffness: the step has determinant 1 and a trace of at most 2. The sum is c
-// (v - v1), which is ODE's motor with the velocity v and CFM 1 / c. A gear with backlash adds its own c and v while its
-// teeth touch.
+// (v - v1), which is ODE's motor with the velocity v and CFM 1 / c. An effort on a torque-speed line falls by its slope
+// as a damper's would. A gear with backlash adds its own c and v while its teeth touch.
 void OdeJoint::resist(double inertia, double time_step) {
   const double armature = play_ ? 0.0 : joint_.armature;
   const double rotor = armature / time_step + 0.25 * time_step * joint_.spring_stiffness;
@@ -87,12 +87,18 @@ void OdeJoint::resist(double inertia, double time_step) {
   const double share = share_of_end(joint_.damping * time_step / (inertia + armature));
   resistance_gain_ = share * joint_.damping + rotor;
   double at_rest = (rotor - (1.0 - share) * joint_.damping) * rate() + spring_effort_;
+  mean_slope_ = play_ ? 0.0 : share_of_end(slope_ * time_step / (inertia + armature)) * slope_;
+  if (mean_slope_ > 0.0) {
+    const double gear = actuator_->efficiency < 1.0 ? mean_share(*actuator_) : 1.0;
+    resistance_gain_ += gear * mean_slope_;
+    at_rest += gear * mean_slope_ * rate();
+  }
   if (play_) {
     const double gear = actuator_->efficiency < 1.0 ? mean_share(*actuator_) : 1.0;
     resistance_gain_ += gear * play_->gain();
     at_rest += gear * play_->offset();
-    if (resistance_gain_ == 0.0) return;  // nothing touches
   }
+  if (resistance_gain_ == 0.0) return;
   resistance_velocity_ = at_rest / resistance_gain_;
   set_resistance(dParamCFM, 1.0 / resistance_gain_);
 }
@@ -101,7 +107,8 @@ void OdeJoint::turn_rotor(const JointCommand& command, double time_step) {
   if (!play_) return;
   const bool to_place = command.drive & drive_displacement;
   if (!to_place && !(command.drive & drive_velocity))
-    return play_->prepare(command.drive & drive_effort ? command.u : 0.0, 0.0, displacement(), rate(), time_step);
+    return play_->prepare(command.drive & drive_effort ? command.u : 0.0, 0.0, displacement(), rate(), time_step,
+                          slope_);
   const double now = play_->begun() ? play_->displacement() : displacement();
   const double velocity =
       to_place ? std::clamp((command.q - now) / time_step, -joint_.velocity, joint_.velocity) : command.dq;
@@ -133,16 +140,17 @@ double OdeJoint::dry_friction() const {
 /// The effort of damping and rotor at that velocity then changes the drive's limit: it adds to a drive that pushes in
 /// its direction, and takes from one that pushes against it. As an effort of its own it would shake the light fingers
 /// of a hand: there it is a thousand times the effort that moves a finger, and the solver has small errors of it. The
-/// spring's effort is applied.
+/// spring's effort is applied. The resistance of a joint that follows stays as it is: the leader feels it.
 void OdeJoint::apply_resistance() {
   if (!resistance_) return;
-  const bool overcome = motor_on_ && std::isinf(motor_limit_);
+  const bool is_driven = motor_on_ && !joint_.mimic;
+  const bool overcome = is_driven && std::isinf(motor_limit_);
   set_resistance(dParamFMax, overcome ? 0.0 : dInfinity);
   if (resistance_feedback_) *resistance_feedback_ = {};  // ODE doesn't write that of a motor that is off
   if (overcome) return;
   if (resistance_gain_ == 0.0) return set_resistance(dParamFMax, 0.0);
-  const double effort = motor_on_ ? resistance_gain_ * (resistance_velocity_ - motor_velocity_) : 0.0;
-  const bool drive_is_stronger = motor_on_ && std::abs(effort) < motor_limit_;
+  const double effort = is_driven ? resistance_gain_ * (resistance_velocity_ - motor_velocity_) : 0.0;
+  const bool drive_is_stronger = is_driven && std::abs(effort) < motor_limit_;
   set_resistance(dParamVel, drive_is_stronger ? motor_velocity_ : resistance_velocity_);
   if (!drive_is_stronger) return;
   const double of_motion = effort - spring_effort_;  // damping and rotor
@@ -172,11 +180,16 @@ double OdeJoint::displacement() const {
   return revolute_ ? wrapped_ + 2.0 * pi * turns_ : dJointGetSliderPosition(ode_);
 }
 
-double OdeJoint::rate() const { return revolute_ ? dJointGetHingeAngleRate(ode_) : dJointGetSliderPositionRate(ode_); }
+// ODE's rate of a slider leaves out that its axis turns.
+double OdeJoint::rate_of_bodies() const {
+  if (revolute_) return dJointGetHingeAngleRate(ode_);
+  if (solved_) return solved_->rate;
+  return guide_->rate({BodyMotion::of(child_), BodyMotion::of(dJointGetBody(ode_, 1))});
+}
 
 void OdeJoint::before_step(double time_step) {
-  previous_rate_ = known_rate_ ? *known_rate_ : rate();
-  known_rate_.reset();
+  previous_rate_ = rate_;
+  solved_.reset();
   const dBodyID parent = dJointGetBody(ode_, 1);
   const Vector3d center = vector(dBodyGetPosition(child_));
   const Vector3d at = revolute_ ? anchor() : center;
@@ -196,6 +209,7 @@ void OdeJoint::before_step(double time_step) {
 // ODE's constraint applies at the poses of the step's beginning: v1 + w1 x a1 - v2 - w2 x a2 = the correction. A
 // slider's is free along its axis.
 double OdeJoint::missing_impulse() const {
+  if (solved_) return 0.0;
   const auto velocity = [](dBodyID body, const Vector3d& arm) -> Vector3d {
     return vector(dBodyGetLinearVel(body)) + vector(dBodyGetAngularVel(body)).cross(arm);
   };
@@ -217,11 +231,12 @@ double OdeJoint::missing_impulse() const {
 
 double OdeJoint::missed_velocity() const {
   constexpr double nearly = 1.0 - 1e-6;  // of the effort limit
-  if (!motor_on_ || !motor_drives_ || std::abs(motor_effort()) >= nearly * motor_limit_) return 0.0;
-  return std::abs(rate() - motor_velocity_);
+  if (solved_ || !motor_on_ || !motor_drives_ || std::abs(motor_effort()) >= nearly * motor_limit_) return 0.0;
+  return std::abs(rate_of_bodies() - motor_velocity_);
 }
 
-void OdeJoint::count_turns(double displacement) {
+void OdeJoint::begin(double displacement) {
+  rate_ = rate_of_bodies();
   if (!revolute_) return;
   wrapped_ = dJointGetHingeAngle(ode_);
   turns_ = static_cast<int>(std::lround((displacement - wrapped_) / (2.0 * pi)));
@@ -264,7 +279,7 @@ void OdeJoint::set_motor(double velocity, double limit) {
   motor_on_ = true;
   motor_velocity_ = velocity;
   motor_limit_ = limit;
-  measure_wrench();
+  read_feedback();
 }
 
 void OdeJoint::drive_to(double displacement, double rate, double time_step) {
@@ -338,10 +353,11 @@ void OdeJoint::apply_effort(double time_step) {
 }
 
 void OdeJoint::after_step(double time_step) {
-  known_rate_ = rate();
-  acceleration_ = (*known_rate_ - previous_rate_) / time_step;
+  rate_ = rate_of_bodies();
+  acceleration_ = (rate_ - previous_rate_) / time_step;
+  effort_ -= mean_slope_ * (rate_ - previous_rate_);
   if (play_) {
-    play_->finish(*known_rate_, time_step);
+    play_->finish(rate_, time_step);
     effort_ = play_->effort();
   }
   if (motor_drives_) effort_ = motor_effort();
@@ -354,19 +370,23 @@ void OdeJoint::after_step(double time_step) {
   wrapped_ = angle;
 }
 
-void OdeJoint::add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
-  guide_->add_rows(law, poses, rows);
-  if (resistance_ && get_resistance(dParamFMax) > 0.0)
-    rows.add() = guide_->axis_row(poses, get_resistance(dParamVel), get_resistance(dParamCFM) / law.time_step);
-  if (motor_on_ && std::isinf(get(dParamFMax))) rows.add() = guide_->axis_row(poses, motor_velocity_, law.softness);
+bool OdeJoint::is_resisted() const { return resistance_ && get_resistance(dParamFMax) > 0.0; }
+
+void OdeJoint::describe(const StepLaw& law, const JointBodies& bodies, TreeBody& body) const {
+  body.joint = guide_->motion(law, bodies);
+  if (is_resisted()) {
+    body.gain = resistance_gain_ * law.time_step;
+    body.offset = body.gain * get_resistance(dParamVel);
+  }
+  if (motor_on_ && !joint_.mimic && std::isinf(get(dParamFMax))) body.drive = {motor_velocity_, law.softness};
 }
 
 // A drive that was at its limit, or a joint that was turning against its friction, is assumed to be still.
-std::optional<LimitedDrive> OdeJoint::limited_drive(const StepLaw& law, const JointPoses& poses) const {
-  if (!motor_on_ || std::isinf(get(dParamFMax))) return std::nullopt;
+std::optional<LimitedDrive> OdeJoint::limited_drive(const StepLaw& law) const {
+  if (!motor_on_ || joint_.mimic || std::isinf(get(dParamFMax))) return std::nullopt;
   constexpr double nearly = 1.0 - 1e-9, at_rest = 1e-9;  // share of the limit; [rad/s] or [m/s]
   LimitedDrive drive;
-  drive.row = guide_->axis_row(poses, motor_velocity_, law.softness);
+  drive.drive = {motor_velocity_, law.softness};
   drive.limit = get(dParamFMax) * law.time_step;
   const double rate = previous_rate_;
   const bool at_upper = motor_drives_ ? previous_effort_ >= nearly * motor_limit_ : rate < -at_rest;
@@ -376,44 +396,65 @@ std::optional<LimitedDrive> OdeJoint::limited_drive(const StepLaw& law, const Jo
   return drive;
 }
 
-std::optional<BoundedRow> OdeJoint::reached_stop(const StepLaw& law, const JointPoses& poses) const {
-  if (!stops_active_) return std::nullopt;
-  const double now = displacement();
-  const bool at_lower = now <= joint_.lower;
-  if (!at_lower && now < joint_.upper) return std::nullopt;
-  BoundedRow stop;
-  const double error = now - (at_lower ? joint_.lower : joint_.upper);
-  stop.row = guide_->axis_row(poses, -get(dParamStopERP) / law.time_step * error, law.softness);
-  if (joint_.lower < joint_.upper) (at_lower ? stop.bounds.lower : stop.bounds.upper) = 0.0;
+// The joint comes to its stop in one step and no farther. From beyond it returns by a share of the way in each step.
+std::optional<Stop> OdeJoint::stops(const StepLaw& law) const {
+  if (!kept_.displacement) return std::nullopt;
+  constexpr double fastest = 1.0;  // [rad/s] or [m/s]
+  const double now = displacement(), over = beyond(now);
+  const double back = std::clamp(-law.correction_rate * over, -fastest, fastest);
+  Stop stop;
+  stop.softness = law.softness;
+  stop.corrects = over != 0.0;
+  stop.lowest = over < 0.0 ? back : (joint_.lower - now) / law.time_step;
+  stop.highest = over > 0.0 ? back : (joint_.upper - now) / law.time_step;
+  const double rate = previous_rate_;
+  if (joint_.lower >= joint_.upper) {
+    stop.state = Stop::State::locked;
+    stop.lowest = stop.highest = back;
+  } else if (!motor_drives_ && (over > 0.0 || rate >= stop.highest)) {
+    stop.state = Stop::State::at_upper;
+  } else if (!motor_drives_ && (over < 0.0 || rate <= stop.lowest)) {
+    stop.state = Stop::State::at_lower;
+  }
   return stop;
 }
 
-std::optional<BodyPose> OdeJoint::driven_pose(const BodyPose& parent, double time_step) const {
+JointRow OdeJoint::coupling(const StepLaw& law, const OdeJoint& leader) const {
+  constexpr double fastest = 1.0;  // [rad/s] or [m/s], of a joint that isn't at its place
+  const Mimic& mimic = *joint_.mimic;
+  const double error = displacement() - mimic.multiplier * leader.displacement() - mimic.offset;
+  JointRow row;
+  row.factor = -mimic.multiplier;
+  row.target = std::clamp(-law.correction_rate * error, -fastest, fastest);
+  if (std::isfinite(motor_limit_)) row.bounds = {-motor_limit_ * law.time_step, motor_limit_ * law.time_step, -1};
+  return row;
+}
+
+/// By which the drive or the leader turns the joint in the step.
+double OdeJoint::turn_of(double time_step) const {
+  return time_step * (joint_.mimic && solved_ ? solved_->rate : motor_velocity_);
+}
+
+bool OdeJoint::turns_far(double time_step) const {
   constexpr double large = 0.1, half_turn = pi;  // [rad]; ODE doesn't count the turns of a step
-  const double turn = motor_velocity_ * time_step;
-  const bool is_far = std::abs(turn) >= large && std::abs(turn) < half_turn;
-  if (!revolute_ || !is_far || !motor_on_ || std::isfinite(get(dParamFMax))) return std::nullopt;
-  return guide_->first_at(displacement() + turn, parent);  // the displacement is that of the step's beginning
+  if (!revolute_ || !motor_on_) return false;
+  const double turn = std::abs(turn_of(time_step));
+  return turn >= large && turn < half_turn && !std::isfinite(get(dParamFMax));
 }
 
-void OdeJoint::take_impulses(const JointRows& rows, const Forest::Impulses& impulses, const Row* bounded,
-                             double impulse, double time_step) {
-  if (!feedback_) return;
-  const bool resisted = resistance_ && get_resistance(dParamFMax) > 0.0;
-  constexpr std::size_t guides = 5;
-  Vector6d wrench = Vector6d::Zero(), resistance = Vector6d::Zero();
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    (resisted && i == guides ? resistance : wrench) += impulses[i] / time_step * rows[i].first;
-  if (bounded) wrench += impulse / time_step * bounded->first;
-  const auto store = [](const Vector6d& from, dJointFeedback& to) {
-    std::copy(from.data(), from.data() + 3, to.f1);
-    std::copy(from.data() + 3, from.data() + 6, to.t1);
-  };
-  store(wrench, *feedback_);
-  if (resistance_feedback_) store(resistance, *resistance_feedback_);
+std::optional<BodyPose> OdeJoint::driven_pose(const BodyPose& parent, double time_step) const {
+  if (!turns_far(time_step)) return std::nullopt;
+  return guide_->first_at(displacement() + turn_of(time_step), parent);  // from the beginning of the step
 }
 
-void OdeJoint::measure_wrench() {
+/// What ODE reports of the joint and of its resistance is their sum here.
+void OdeJoint::take_wrench(const Vector6d& wrench) {
+  std::copy(wrench.data(), wrench.data() + 3, feedback_->f1);
+  std::copy(wrench.data() + 3, wrench.data() + 6, feedback_->t1);
+  if (resistance_feedback_) *resistance_feedback_ = {};
+}
+
+void OdeJoint::read_feedback() {
   if (feedback_) return;
   feedback_ = std::make_unique<dJointFeedback>();
   dJointSetFeedback(ode_, feedback_.get());
@@ -451,14 +492,22 @@ Wrench OdeJoint::child_wrench() const {
 }
 
 double OdeJoint::motor_effort() const {
-  const Vector3d force = vector(feedback_->f1);
-  // about the hinge's axis, where the guiding constraint forces have no component
-  const double effort = axis_.dot(revolute_ ? Vector3d(vector(feedback_->t1) - arm_.cross(force)) : force);
+  const auto along = [&](const dJointFeedback& feedback) {
+    return axis_.dot(vector(revolute_ ? feedback.t1 : feedback.f1));
+  };
+  double effort = 0.0, of_resistance = 0.0;
+  if (solved_) {
+    effort = solved_->effort;
+    if (is_resisted()) of_resistance = resistance_gain_ * (get_resistance(dParamVel) - solved_->rate);
+  } else {
+    effort = along(*feedback_);
+    // about the hinge's axis, where the guiding constraint forces have no component
+    if (revolute_) effort -= axis_.dot(arm_.cross(vector(feedback_->f1)));
+    if (resistance_) of_resistance = along(*resistance_feedback_);
+  }
   if (!resistance_) return effort;
   // the effort of everything that acts on the joint, except the resistance
-  const dJointFeedback& resistance = *resistance_feedback_;
-  return effort + applied_ + axis_.dot(vector(revolute_ ? resistance.t1 : resistance.f1)) -
-         resistance_gain_ * (resistance_velocity_ - rate());
+  return effort + applied_ + of_resistance - resistance_gain_ * (resistance_velocity_ - rate_of_bodies());
 }
 
 }  // namespace rehearse

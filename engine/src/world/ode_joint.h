@@ -25,6 +25,12 @@ struct KeptLimits {
   bool effort = false;        // commanded efforts are clamped
 };
 
+/// What the direct solver found of a joint in a step.
+struct SolvedJoint {
+  double rate = 0.0;    // at the step's end, about the axis of its beginning [rad/s] or [m/s]
+  double effort = 0.0;  // of the drive or the coupling [N·m] or [N]
+};
+
 class OdeJoint {
  public:
   /// `joint` and `actuator` must outlive this; `actuator` null: the joint has none. `parent` may be null: the world.
@@ -35,15 +41,18 @@ class OdeJoint {
 
   const Joint& joint() const { return joint_; }
   double displacement() const;  // [rad] or [m]; unwrapped
-  double rate() const;          // [rad/s] or [m/s]
-  JointReading reading() const { return {displacement(), known_rate_ ? *known_rate_ : rate(), acceleration_, effort_}; }
+  /// [rad/s] or [m/s], at the end of the last step; of a slider, that in the turning frame of its parent.
+  double rate() const { return rate_; }
+  JointReading reading() const { return {displacement(), rate_, acceleration_, effort_}; }
 
-  /// Sets the number of whole turns, which ODE's wrapped angle doesn't contain. `displacement`: of the bodies' current
-  /// poses.
-  void count_turns(double displacement);
+  /// Takes the motion of the bodies. `displacement`: of their current poses, with the whole turns, which ODE's wrapped
+  /// angle doesn't contain.
+  void begin(double displacement);
   void before_step(double time_step);
-  /// Call it when the bodies' motions were replaced.
-  void forget_rate() { known_rate_.reset(); }
+  /// Call it when the state was replaced.
+  void after_restore() {
+    if (revolute_) rate_ = rate_of_bodies();
+  }
   /// After ODE's step: the impulse that would give both bodies one velocity at the joint [N·s].
   double missing_impulse() const;
   /// After ODE's step: the difference between the joint's velocity and its drive's; 0 without a drive, and for one
@@ -51,10 +60,13 @@ class OdeJoint {
   double missed_velocity() const;
   /// True if resist() has to be called.
   bool resists() const {
-    return joint_.damping > 0.0 || joint_.armature > 0.0 || joint_.spring_stiffness > 0.0 || play_;
+    return joint_.damping > 0.0 || joint_.armature > 0.0 || joint_.spring_stiffness > 0.0 || play_ ||
+           (actuator_ && actuator_->stall_effort);
   }
   /// True if resist() needs the inertia.
-  bool damps() const { return joint_.damping > 0.0; }
+  bool damps() const { return joint_.damping > 0.0 || slope_ > 0.0; }
+  /// The effort of the coming step's command falls by that with the velocity [N·m·s] or [N·s/m].
+  void lean_effort(double slope) { slope_ = slope; }
   /// Of a gear with backlash: moves the rotor by the command in the coming step. Must be called before resist().
   void turn_rotor(const JointCommand& command, double time_step);
   /// Null: the gear has no backlash.
@@ -75,34 +87,42 @@ class OdeJoint {
   void follow(const OdeJoint& leader, double time_step);
   void after_step(double time_step);
 
-  // For the direct solver, between drive() and after_step(). Bodies of rows are left for the caller to set.
-  /// Adds the equations of the joint: its guide, its damping, and a drive without limit.
-  void add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
+  // For the direct solver, between drive() and after_step(). Indices of bodies are left for the caller to set.
+  /// Sets the joint of a body: its motion, its damping, and a drive without limit.
+  void describe(const StepLaw& law, const JointBodies& bodies, TreeBody& body) const;
   /// The drive with a limit, or the dry friction.
-  std::optional<LimitedDrive> limited_drive(const StepLaw& law, const JointPoses& poses) const;
-  /// The stop that the joint has reached.
-  std::optional<BoundedRow> reached_stop(const StepLaw& law, const JointPoses& poses) const;
-  /// The child's pose after the step, if a drive without limit turns the joint so far that the step's velocities, which
-  /// are those of its beginning, miss the target. `parent`: its pose after the step.
+  std::optional<LimitedDrive> limited_drive(const StepLaw& law) const;
+  /// The stops of the joint.
+  std::optional<Stop> stops(const StepLaw& law) const;
+  /// Of a joint that follows: the row by which it moves as `leader` does, and the leader carries its load.
+  JointRow coupling(const StepLaw& law, const OdeJoint& leader) const;
+  /// True if a drive without limit turns the joint so far that the step's velocities, which are those of its beginning,
+  /// miss the target.
+  bool turns_far(double time_step) const;
+  /// The child's pose after such a step. `parent`: its pose after the step.
   std::optional<BodyPose> driven_pose(const BodyPose& parent, double time_step) const;
-  /// Stores the results as ODE's feedback: the impulses of `rows`, and the row of the drive or the stop with its
-  /// impulse, if there is one.
-  void take_impulses(const JointRows& rows, const Forest::Impulses& impulses, const Row* bounded, double impulse,
-                     double time_step);
+  /// True if a sensor reads child_wrench().
+  bool is_measured() const { return measured_; }
+  void take_solution(const SolvedJoint& solved) { solved_ = solved; }
+  /// The whole joint's force and torque on the child.
+  void take_wrench(const Vector6d& wrench);
 
   Eigen::Vector3d world_axis() const;
   Eigen::Vector3d anchor() const;  // of a revolute joint [m]
   bool revolute() const { return revolute_; }
 
   /// From now on child_wrench() returns measurements.
-  void measure_wrench();
+  void measure_wrench() {
+    measured_ = true;
+    read_feedback();
+  }
   /// The joint's wrench on its child in the last step; the torque is about the child's centre of mass. World axes.
   Wrench child_wrench() const;
 
   // The parts of the state, in groups: a body saves the turns of all its joints, then all efforts, and so on.
   void visit_turns(StateVisitor& visitor) {
     visitor.visit(&turns_, sizeof turns_);
-    visitor.visit(wrapped_);
+    visitor.visit(revolute_ ? wrapped_ : rate_);  // the rate of a hinge follows from the bodies
   }
   void visit_effort(StateVisitor& visitor) { visitor.visit(effort_); }
   void visit_acceleration(StateVisitor& visitor) { visitor.visit(acceleration_); }
@@ -124,6 +144,10 @@ class OdeJoint {
   void drive_at(double velocity, double time_step);
   void apply_effort(double time_step);
   void apply_resistance();
+  void read_feedback();
+  bool is_resisted() const;
+  double rate_of_bodies() const;
+  double turn_of(double time_step) const;
   double motor_effort() const;
   double drive_limit() const;
   double dry_friction() const;
@@ -133,6 +157,7 @@ class OdeJoint {
   dBodyID child_;
   KeptLimits kept_;
   bool revolute_;
+  bool measured_ = false;          // a sensor reads its wrench
   dJointID ode_ = nullptr;         // destroyed with its world
   dJointID resistance_ = nullptr;  // a motor of ODE for damping and rotor inertia; null: there are none
   std::unique_ptr<dJointFeedback> feedback_, resistance_feedback_;
@@ -143,10 +168,10 @@ class OdeJoint {
   double wrapped_ = 0.0;       // ODE's angle after the last step [rad]
   double effort_ = 0.0;        // of the actuator in the last step [N·m] or [N]
   double acceleration_ = 0.0;  // over the last step
-  // known between two steps
-  std::optional<double> known_rate_;  // what rate() returns; nullopt: not computed
+  double rate_ = 0.0;          // of a slider; that of a hinge is known from the bodies
   // scratch within a step
   double previous_rate_ = 0.0;
+  std::optional<SolvedJoint> solved_;                      // nullopt: ODE made the step
   double previous_effort_ = 0.0;                           // of the actuator, in the last step
   Eigen::Vector3d axis_ = Eigen::Vector3d::UnitX();        // of the joint at the step's beginning; world
   Eigen::Vector3d arm_ = Eigen::Vector3d::Zero();          // from the child's centre of mass to the joint [m]
@@ -158,6 +183,8 @@ class OdeJoint {
   double motor_limit_ = 0.0;                               // of its effort
   double drive_share_ = 1.0;                               // of its limit that a fault leaves
   double drive_most_ = unlimited;                          // that its heat allows
+  double slope_ = 0.0;                                     // of the effort over the velocity
+  double mean_slope_ = 0.0;                                // over the velocity at the step's end
   double resistance_gain_ = 0.0;                           // of damping, rotor and spring [N·m·s] or [N·s/m]
   double resistance_velocity_ = 0.0;                       // at which they exert no effort
   double spring_effort_ = 0.0;                             // at the beginning of the step [N·m] or [N]

@@ -1,7 +1,5 @@
 #include "plane_constraint.h"
 
-#include <utility>
-
 #include "ode_math.h"
 
 namespace rehearse {
@@ -41,16 +39,14 @@ void PlaneConstraint::correct(double time_step) {
   dJointSetAMotorParam(turn_, dParamVel2, rate * tilt.z());
 }
 
-void PlaneConstraint::add_rows(const StepLaw& law, JointRows& rows) const {
+JointMotion PlaneConstraint::motion() const {
   constexpr int slide_along_y = 1, turn_about_x = 3, turn_about_z = 5;
-  for (const auto& [coordinate, target] : {std::pair(slide_along_y, dJointGetLMotorParam(slide_, dParamVel)),
-                                           std::pair(turn_about_x, dJointGetAMotorParam(turn_, dParamVel)),
-                                           std::pair(turn_about_z, dJointGetAMotorParam(turn_, dParamVel2))}) {
-    Row& row = rows.add();
-    row.first[coordinate] = 1.0;
-    row.target = target;
-    row.softness = law.softness;
-  }
+  JointMotion motion;
+  motion.bias[slide_along_y] = dJointGetLMotorParam(slide_, dParamVel);
+  motion.bias[turn_about_x] = dJointGetAMotorParam(turn_, dParamVel);
+  motion.bias[turn_about_z] = dJointGetAMotorParam(turn_, dParamVel2);
+  for (const int coordinate : {0, 2, 4}) motion.add(Vector6d::Unit(coordinate));
+  return motion;
 }
 
 }  // namespace rehearse

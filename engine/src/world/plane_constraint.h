@@ -18,8 +18,8 @@ class PlaneConstraint {
 
   /// To be called before each step.
   void correct(double time_step);
-  /// Adds the equations, for the direct solver, after correct().
-  void add_rows(const StepLaw& law, JointRows& rows) const;
+  /// How the body may move, for the direct solver, after correct().
+  JointMotion motion() const;
 
  private:
   dBodyID body_;

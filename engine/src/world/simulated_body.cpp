@@ -248,6 +248,21 @@ Diagnostics check_dynamics(const WorldBody& description) {
   return findings;
 }
 
+Diagnostics check_mimics(const WorldBody& description) {
+  const Model& model = *description.model;
+  Diagnostics findings;
+  if (description.kinematic) return findings;
+  for (const int index : model.joints) {
+    const Joint& joint = model.links[index].joint;
+    if (!joint.mimic) continue;
+    const std::string& leader = model.links[model.joints[joint.mimic->leader]].joint.name;
+    findings.push_back(error("body '" + description.name + "': joint '" + joint.name + "' follows '" + leader +
+                                 "', which would not feel its load under this method",
+                             "use 'method: direct'"));
+  }
+  return findings;
+}
+
 bool root_is_fixed(const WorldBody& description) {
   return description.fixed || description.model->links[0].joint.type == JointType::fixed;
 }

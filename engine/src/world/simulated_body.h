@@ -144,6 +144,7 @@ struct MovingPart {
   dBodyID parent = nullptr;  // null: the joint's other side is the world, or there is no joint
   const RigidMass* weight = nullptr;
   OdeJoint* joint = nullptr;               // null: none
+  const OdeJoint* leader = nullptr;        // that the joint follows; null: none
   const PlaneConstraint* plane = nullptr;  // null: none
 };
 
@@ -286,6 +287,9 @@ class SimulatedBody {
 
 /// Checks everything on which ODE would abort. The messages begin with "body 'SR1': ".
 Diagnostics check_dynamics(const WorldBody& description);
+
+/// Errors about joints that ODE's own solvers can't move: those that follow others.
+Diagnostics check_mimics(const WorldBody& description);
 
 /// True if the root link never moves: the scenario or the model fixes it.
 bool root_is_fixed(const WorldBody& description);

@@ -157,6 +157,9 @@ Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std:
   for (const WorldBody& body : bodies) {
     const Diagnostics of_body = check_dynamics(body);
     findings.insert(findings.end(), of_body.begin(), of_body.end());
+    if (settings.solver.method == SolverSettings::Method::direct) continue;
+    const Diagnostics of_mimics = check_mimics(body);
+    findings.insert(findings.end(), of_mimics.begin(), of_mimics.end());
   }
   if (!findings.empty()) return findings;
 
@@ -283,8 +286,8 @@ void World::Impl::step_directly() {
   const DirectStep::Outcome outcome = direct->solve();
   diverged = !outcome.finite;
   if (diverged) return;
-  constexpr double converged = 1e-9;  // share of the weight
-  unsolved = {outcome.error > converged ? outcome.error : 0.0, outcome.crowded_contacts, DirectStep::most_contacts};
+  constexpr double converged = 1e-6;  // share of the weight
+  unsolved = {outcome.error > converged ? outcome.error : 0.0, outcome.crowd.contacts, outcome.crowd.most};
   residual = {};
   if (!direct->leaves_bodies()) return;
   direct->hide_from_ode(true);

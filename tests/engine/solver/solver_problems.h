@@ -44,7 +44,17 @@ inline Row random_row(Dice& dice, double softness = 1e-7) {
   return {dice.vector6(), dice.vector6(), dice.uniform(-1.0, 1.0), softness};
 }
 
+/// A joint of that many coordinates along random motions.
+inline JointMotion random_joint(Dice& dice, int coordinates) {
+  JointMotion joint;
+  joint.arm = dice.vector6().head<3>();
+  joint.bias = dice.vector6();
+  for (int i = 0; i < coordinates; ++i) joint.add(dice.vector6());
+  return joint;
+}
+
 /// Trees of `count` bodies: a body is the root of a tree, free or on a joint with the world, or has an earlier parent.
+/// Of the joints with one coordinate some have a damper, a known impulse and a drive.
 inline void make_trees(Dice& dice, int count, Forest& forest) {
   forest.bodies().clear();
   int root = 0;
@@ -52,56 +62,85 @@ inline void make_trees(Dice& dice, int count, Forest& forest) {
     const bool begins = i == 0 || dice.below(6) == 0;
     if (begins) root = i;
     TreeBody body = random_body(dice, begins ? -1 : root + dice.below(i - root));
-    const int rows = begins ? dice.below(2) * dice.below(7) : dice.below(8);
-    const double softness = rows < 6 ? 1e-7 : 1e-2;  // more rows than motions have no exact solution
-    for (int r = 0; r < rows; ++r) body.joint.add() = random_row(dice, softness);
+    const int coordinates = dice.below(3) > 0 ? 1 : dice.below(5);
+    body.joint = begins && dice.below(2) == 0 ? JointMotion::free() : random_joint(dice, coordinates);
+    if (body.joint.coordinates() == 1) {
+      if (dice.below(3) == 0) body.gain = dice.uniform(0.0, 2.0);
+      if (dice.below(3) == 0) body.offset = dice.uniform(-1.0, 1.0);
+      if (dice.below(3) == 0) body.push = dice.uniform(-1.0, 1.0);
+      if (dice.below(3) == 0) body.drive = {dice.uniform(-1.0, 1.0), 1e-5};
+    }
     forest.bodies().push_back(body);
   }
+  forest.arrange();
 }
 
-/// The equations of trees as one dense matrix: velocities, then the impulses of all joint rows.
+/// The equations of trees as dense matrices. The velocities of all bodies are `motion` q + `bias`, and the coordinates
+/// q solve `inertia` q = `impulse`, with further rows.
 struct DenseEquations {
-  Eigen::MatrixXd mass;      // of all bodies
-  Eigen::MatrixXd jacobian;  // rows of joints
-  Eigen::VectorXd momentum, target, softness;
+  Eigen::MatrixXd motion, inertia;
+  Eigen::VectorXd bias, impulse;
+  Eigen::MatrixXd rows;  // of all velocities
+  Eigen::VectorXd target, softness;
 
   explicit DenseEquations(const Forest& forest) {
     const auto& bodies = forest.bodies();
     const auto count = static_cast<Eigen::Index>(bodies.size());
-    Eigen::Index rows = 0;
-    for (const TreeBody& body : bodies) rows += static_cast<Eigen::Index>(body.joint.size());
-    mass = Eigen::MatrixXd::Zero(6 * count, 6 * count);
-    jacobian = Eigen::MatrixXd::Zero(rows, 6 * count);
-    momentum.resize(6 * count);
-    target.resize(rows);
-    softness.resize(rows);
+    Eigen::Index coordinates = 0;
+    for (const TreeBody& body : bodies) coordinates += body.joint.coordinates();
+    motion = Eigen::MatrixXd::Zero(6 * count, coordinates);
+    bias = Eigen::VectorXd::Zero(6 * count);
+    inertia = Eigen::MatrixXd::Zero(coordinates, coordinates);
+    impulse = Eigen::VectorXd::Zero(coordinates);
+    rows.resize(0, 6 * count);
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(6 * count, 6 * count);
+    Eigen::VectorXd momentum(6 * count);
     Eigen::Index at = 0;
     for (Eigen::Index i = 0; i < count; ++i) {
       const TreeBody& body = bodies[static_cast<std::size_t>(i)];
       mass.block<3, 3>(6 * i, 6 * i) = body.mass * Eigen::Matrix3d::Identity();
       mass.block<3, 3>(6 * i + 3, 6 * i + 3) = body.inertia;
       momentum.segment<6>(6 * i) = body.momentum;
-      for (const Row& row : body.joint) {
-        jacobian.block<1, 6>(at, 6 * i) = row.first.transpose();
-        if (body.parent >= 0) jacobian.block<1, 6>(at, 6 * body.parent) = row.second.transpose();
-        target[at] = row.target;
-        softness[at] = row.softness;
-        ++at;
+      if (body.parent >= 0) {
+        Eigen::Matrix<double, 6, 6> shift = Eigen::Matrix<double, 6, 6>::Identity();
+        for (int k = 0; k < 3; ++k) shift.block<3, 1>(0, 3 + k) = Eigen::Vector3d::Unit(k).cross(body.joint.arm);
+        motion.middleRows<6>(6 * i) = shift * motion.middleRows<6>(6 * body.parent);
+        bias.segment<6>(6 * i) = shift * bias.segment<6>(6 * body.parent);
+      }
+      bias.segment<6>(6 * i) += body.joint.bias;
+      for (int k = 0; k < body.joint.coordinates(); ++k, ++at) {
+        motion.block<6, 1>(6 * i, at) += body.joint.axis(k);
+        inertia(at, at) = body.gain + (body.drive ? 1.0 / body.drive->softness : 0.0);
+        impulse[at] = body.offset + body.push + (body.drive ? body.drive->target / body.drive->softness : 0.0);
       }
     }
+    inertia += motion.transpose() * mass * motion;
+    impulse += motion.transpose() * (momentum - mass * bias);
   }
 
-  /// Velocities, then impulses.
+  void add_row(const Eigen::VectorXd& row, double at, double soft) {
+    const Eigen::Index count = rows.rows();
+    rows.conservativeResize(count + 1, Eigen::NoChange);
+    target.conservativeResize(count + 1);
+    softness.conservativeResize(count + 1);
+    rows.row(count) = row.transpose();
+    target[count] = at;
+    softness[count] = soft;
+  }
+
+  /// The velocities of all bodies.
   Eigen::VectorXd solve() const {
-    const Eigen::Index n = mass.rows(), m = jacobian.rows();
+    const Eigen::Index n = inertia.rows(), m = rows.rows();
+    const Eigen::MatrixXd along = rows * motion;
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n + m, n + m);
-    matrix.topLeftCorner(n, n) = mass;
-    matrix.topRightCorner(n, m) = -jacobian.transpose();
-    matrix.bottomLeftCorner(m, n) = jacobian;
+    matrix.topLeftCorner(n, n) = inertia;
+    matrix.topRightCorner(n, m) = -along.transpose();
+    matrix.bottomLeftCorner(m, n) = along;
     matrix.bottomRightCorner(m, m) = softness.asDiagonal();
     Eigen::VectorXd right(n + m);
-    right << momentum, target;
-    return matrix.fullPivLu().solve(right);
+    right.head(n) = impulse;
+    right.tail(m) = target - rows * bias;
+    return motion * matrix.fullPivLu().solve(right).head(n) + bias;
   }
 };
 

@@ -96,7 +96,7 @@ TEST(ContactsOfOneBody, LinksOfOneBodyPassThroughEachOther) {
 }
 
 TEST(TheSeed, DecidesTheQuickSolversOrder) {
-  WorldSettings one, two;
+  WorldSettings one = settings_of(SolverSettings::Method::quick), two = one;
   two.seed = 1;
   const auto first = make_world(one, pile());
   const auto second = make_world(two, pile());

@@ -98,9 +98,9 @@ TEST_P(PassiveJoints, DampingWorksAgainstADriveAtItsLimit) {
 
 // On paper I dv/dt = -(limit + d v): damping helps a drive that brakes.
 TEST_P(PassiveJoints, DampingHelpsADriveThatBrakesAtItsLimit) {
-  for (const double ratio : {0.01, 0.1, 1.0}) {  // of the damping times the time step over inertia
+  for (const double ratio : {0.01, 0.1, 1.0}) {            // of the damping times the time step over inertia
     const double rate = ratio / step, limit = 0.5 * rate;  // [1/s], [rad/s²] or [m/s²]
-    for (const OneJoint& robot : one_joint_robots([&](Joint& joint, double inertia) {
+    for (const OneJoint& robot : one_joint_robots([&](Joint&joint, double inertia) {
            joint.damping = rate * inertia;
            joint.effort = limit * inertia;
          })) {

@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double sleeper_side = 0.2;     // [m]
-constexpr double sleeper_mass = 1.0;     // [kg]
-constexpr int steps_to_rest = 1500;  // in which a stack comes to rest and sleeps
+constexpr double sleeper_side = 0.2;  // [m]
+constexpr double sleeper_mass = 1.0;  // [kg]
+constexpr int steps_to_rest = 1500;   // in which a stack comes to rest and sleeps
 
 WorldSettings sleepy(SolverSettings::Method method = SolverSettings::Method::direct) {
   WorldSettings settings = settings_of(method);

@@ -52,6 +52,29 @@ TEST_P(Stacks, OfTenBoxesStandForTenSeconds) {
   EXPECT_LT(farthest_from_place(*world, 10, Vector3d::Zero()), 2e-3);
 }
 
+/// 500 kg on 1 kg, in cubes of 0.1 m: the light one carries the heavy one.
+TEST(DirectSolver, StacksAHeavyCubeOnALightOne) {
+  const Vector3d cube = Vector3d::Constant(0.1);
+  const auto world = make_world(
+      settings_of(SolverSettings::Method::direct),
+      {floor_body(), free_box("Light", cube, 1.0, {0, 0, 0.05}), free_box("Heavy", cube, 500.0, {0, 0, 0.15})});
+  run(*world, 3000);
+  EXPECT_NEAR(link_of(*world, 0, 1).position.z(), 0.05, 3e-5);
+  EXPECT_NEAR(link_of(*world, 0, 2).position.z(), 0.15, 6e-5);
+  EXPECT_LT(link_of(*world, 0, 2).velocity.norm(), 1e-6);
+}
+
+TEST(DirectSolver, StacksTenCubesThatDontCreep) {
+  const auto world = stacked_boxes(SolverSettings::Method::direct, 10);
+  run(*world, 9000);
+  std::vector<Vector3d> places;
+  for (int i = 1; i <= 10; ++i) places.push_back(link_of(*world, 0, i).position);
+  run(*world, 1000);
+  for (int i = 1; i <= 10; ++i)
+    EXPECT_LT((link_of(*world, 0, i).position - places[static_cast<std::size_t>(i - 1)]).norm(), 1e-6) << i;
+  EXPECT_LT(farthest_from_place(*world, 10, Vector3d::Zero()), 3e-4);
+}
+
 TEST(ExactSolver, ReportsTheStepsThatTheQuickSolverMakes) {
   const auto world = stacked_boxes(SolverSettings::Method::exact, 2, {0, 0, -1e-4});
   int failures = 0;
