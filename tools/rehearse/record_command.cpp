@@ -415,7 +415,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
   add_model_options(options, settings->model.urdf);
   options
       .add_option("--solver", settings->model.solver,
-                  "with --model: quick (iterative), exact (by ODE) or direct (by the tree of joints)")
+                  "with --model: direct (by the tree of joints; the default), quick (iterative) or exact (by ODE)")
       ->type_name("METHOD")
       ->check(CLI::IsMember({"quick", "exact", "direct"}));
   options

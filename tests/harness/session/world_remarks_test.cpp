@@ -145,6 +145,25 @@ TEST_F(WorldRemarks, ADriveAtItsEffortLimitIsAnEvent) {
   EXPECT_THAT(said(record_run(rig_with("drive displacement 0.25 RAIL"))), Not(Contains(limited)));
 }
 
+TEST_F(WorldRemarks, ADriveThatIsTooWeakForItsLoadIsAWarning) {
+  const auto arm = [this](const std::string& effort) {
+    write("rig.urdf", R"(<robot name="Rig"><link name="world"/>
+  <joint name="SHOULDER" type="revolute"><parent link="world"/><child link="ARM"/><axis xyz="0 1 0"/>
+    <limit lower="-3" upper="3" velocity="100" effort=")" +
+                          effort + R"("/></joint>
+  <link name="ARM"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link></robot>)");
+    record_run("rehearse: 1\nduration: 0.3\nbodies:\n  - {name: Rig, model: rig.urdf, controllers: [" +
+               behaviour("C", "posture") + "]}\n");
+  };
+  arm("5");
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_THAT(summary_.remarks[0].message, HasSubstr("joint 'SHOULDER' of 'Rig' moves away from its command, 0.05"));
+  EXPECT_THAT(summary_.remarks[0].message, HasSubstr("rad so far: its effort limit of 5 N·m is too small"));
+  arm("50");
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
 TEST_F(WorldRemarks, ACameraThatIsReadAndDoesNotRunIsAWarning) {
   record_run(rig_with("look"));
   ASSERT_EQ(summary_.remarks.size(), 1u);

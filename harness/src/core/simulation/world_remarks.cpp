@@ -26,6 +26,7 @@ WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
       joints.push_back({joint.lower, joint.upper});
     }
   }
+  sinking_.resize(scenario.bodies.size());
   limited_.resize(scenario.bodies.size());
   hot_.resize(scenario.bodies.size());
   for (const ScenarioBody& body : scenario.bodies) {
@@ -149,7 +150,7 @@ void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, cons
     for (std::size_t id = 0; id < joints_[i].size(); ++id) {
       const JointCommand& wanted = command.bodies[i].joints[id];
       if (wanted.drive & (drive_displacement | drive_velocity))
-        check_drive(tick, body, joint_of(i, id), seen.bodies[i].joints[id], wanted, joints_[i][id], events);
+        check_drive(tick, i, joint_of(i, id), seen.bodies[i].joints[id], wanted, joints_[i][id], events);
     }
   }
 }
@@ -182,18 +183,31 @@ void WorldRemarks::check_actuators(std::int64_t tick, const Observation& seen, s
 }
 
 /// The effort is that of the step before the tick.
-void WorldRemarks::check_drive(std::int64_t tick, const ScenarioBody& body, const Joint& joint, const JointReading& now,
+void WorldRemarks::check_drive(std::int64_t tick, std::size_t index, const Joint& joint, const JointReading& now,
                                const JointCommand& wanted, JointRemarks& known, std::vector<msg::Event>& events) {
   constexpr double slack = 1e-4, nearly = 1.0 - 1e-6;  // [rad] or [m]; of the effort limit
+  const ScenarioBody& body = scenario_.bodies[index];
   const bool slides = is_linear(joint.type);
   const auto report = [&](bool& reported, Severity severity, const std::string& text) {
     if (std::exchange(reported, true)) return;
     add(tick, severity, fmt::format("joint '{}' of '{}' {}", joint.name, body.name, text), events);
   };
-  if (tick > 0 && body.drive_limits && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
+  const bool is_full =
+      tick > 0 && body.drive_limits && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort;
+  if (is_full)
     report(known.at_full_effort, Severity::note,
            fmt::format("was driven with its largest effort, {:.4g} {}", joint.effort, slides ? "N" : "N·m"));
-  if (wanted.drive & drive_displacement) return;
+  if (wanted.drive & drive_displacement) {
+    const double missing = wanted.q - now.q, far = slides ? 0.005 : 0.05;  // [m], [rad]
+    const double slow = slides ? 0.001 : 0.01;                             // [m/s], [rad/s]
+    const bool goes_away = missing * now.dq < 0.0 && std::abs(now.dq) > slow && missing * now.ddq < 0.0;  // no braking
+    if (!is_full || std::abs(missing) < far || !goes_away) return;
+    report(known.sinks, sinking_[index] ? Severity::note : Severity::warning,
+           fmt::format("moves away from its command, {:.3g} {} so far: its effort limit of {:.4g} {} is too small",
+                       std::abs(missing), slides ? "m" : "rad", joint.effort, slides ? "N" : "N·m"));
+    sinking_[index] = true;
+    return;
+  }
   const char* const unit = slides ? "m/s" : "rad/s";
   if (std::abs(wanted.dq) > joint.velocity)
     report(known.too_fast, Severity::warning,

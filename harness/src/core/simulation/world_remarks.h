@@ -38,6 +38,7 @@ class WorldRemarks {
     bool too_fast = false;            // its drive was commanded beyond the velocity limit
     bool blocked = false;             // its drive was commanded beyond a stop
     bool at_full_effort = false;
+    bool sinks = false;    // its drive was too weak to stay where it was commanded
     bool limited = false;  // its actuator gave less than the effort that was commanded
     bool hot = false;      // likewise, or a drive was at its limit, because of its heat
   };
@@ -54,7 +55,7 @@ class WorldRemarks {
   void check_drives(std::int64_t tick, const Observation& seen, const Command& command,
                     std::vector<msg::Event>& events);
   void check_actuators(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
-  void check_drive(std::int64_t tick, const ScenarioBody& body, const Joint& joint, const JointReading& now,
+  void check_drive(std::int64_t tick, std::size_t index, const Joint& joint, const JointReading& now,
                    const JointCommand& wanted, JointRemarks& known, std::vector<msg::Event>& events);
 
   const Scenario& scenario_;
@@ -66,6 +67,7 @@ class WorldRemarks {
   std::int64_t next_unconverged_report_ = 10;      // at that number
   double unsolved_ = 0.0;                          // the last share that was reported
   std::vector<std::vector<Joint>> built_;          // by body and joint id; empty: the body has no actuators
+  std::vector<bool> sinking_;                      // by body: the drive of any joint is too weak
   std::vector<bool> limited_, hot_;                // by body: the actuator of any joint
   bool crowded_ = false;                           // any island had too many contacts
   std::vector<std::vector<JointRemarks>> joints_;  // by body and joint id
