@@ -51,5 +51,36 @@ TEST_F(Upgrade, ChangesNoBitsThatTheChangelogDoesNotName) {
   }
 }
 
+/// Their worlds were moved by an earlier step: the controllers are judged, and nothing else is blamed for a difference.
+TEST_F(Upgrade, JudgesTheControllersOfRecordingsOfAnEarlierStep) {
+  std::size_t moved = 0;
+  for (const fs::path& recording : recordings()) {
+    const std::string golden = recording.stem().string();
+    const Outcome outcome =
+        rehearse({"check", "--json", golden, "--golden", recording.string()},
+                 "cd " + quoted(sources.string()) + " && REHEARSE_PENDING=" + quoted(folder().string()));
+    const nlohmann::json checked = outcome.json();
+    EXPECT_EQ(checked["levels"]["controller"], "equal") << golden;
+    if (checked["within"] == true) continue;
+    ++moved;
+    EXPECT_EQ(outcome.status, 1) << golden;
+    EXPECT_EQ(checked["code"], "physics.changed") << golden;
+    EXPECT_EQ(checked["levels"]["plant"], "not compared") << golden;
+    EXPECT_EQ(checked["levels"]["closed"], "not compared") << golden;
+    for (const auto& code : checked["codes"])
+      EXPECT_TRUE(code == "physics.changed" || code == "expectations.hold") << golden << ": " << code;
+  }
+  EXPECT_GE(moved, 2u);
+}
+
+TEST_F(Upgrade, BranchesOffRecordingsOfAnEarlierStep) {
+  for (const fs::path& recording : recordings()) {
+    const Outcome outcome =
+        rehearse({"record", "--from-checkpoint", recording.string() + "@0.5s", "-o", "branch.mcap"});
+    EXPECT_EQ(outcome.status, 0) << recording << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("repeat their commands bit for bit")) << recording;
+  }
+}
+
 }  // namespace
 }  // namespace rehearse::test
