@@ -1,8 +1,6 @@
 // The cost of a step with the direct solver relative to one with ODE's quick solver: SR1 standing, held by PD torques
 // and by drives with limited efforts, SR1 with fingers, a recorded second, and chains of links.
 
-#include <fmt/format.h>
-#include <rehearse/body.h>
 #include <rehearse/session.h>
 #include <rehearse/world.h>
 
@@ -14,87 +12,12 @@
 
 #include "pairs.h"
 #include "sr1_run.h"
+#include "standing.h"
 
 namespace rehearse {
 namespace {
 
-constexpr int slice = 50;     // steps measured at a time
-constexpr int settled = 500;  // steps before the first measurement
-
-/// SR1 with a finger of seven joints at each wrist, so that it has 43 joints.
-std::shared_ptr<const Model> sr1_with_fingers(const Model& sr1) {
-  std::string text = sr1.source_text, fingers;
-  for (const char* side : {"RARM", "LARM"}) {
-    std::string parent = fmt::format("{}_WRIST_R", side);
-    for (int i = 0; i < 7; ++i) {
-      const std::string name = fmt::format("{}_FINGER{}", side, i);
-      fingers += fmt::format(
-          R"(<joint name="{0}" type="continuous"><parent link="{1}"/><child link="{0}"/><origin xyz="0 0 -0.03"/>
-          <axis xyz="{2}"/></joint><link name="{0}"><inertial><origin xyz="0 0 -0.015"/><mass value="0.05"/>
-          <inertia ixx="2e-5" ixy="0" ixz="0" iyy="2e-5" iyz="0" izz="1e-5"/></inertial></link>)",
-          name, parent, i % 2 == 0 ? "1 0 0" : "0 1 0");
-      parent = name;
-    }
-  }
-  text.insert(text.rfind("</robot>"), fingers);
-  return std::make_shared<const Model>(must(parse_model(text, sr1.source_file)));
-}
-
-/// SR1 standing in a world of its own, with one way to hold its joints.
-class Standing {
- public:
-  enum class Held { by_torque, by_limited_drive, by_torque_with_fingers };
-
-  Standing(SolverSettings::Method method, Held held) : held_(held) {
-    SolverSettings solver = Sr1Run::instance().scenario().solver;
-    solver.method = method;
-    std::vector<WorldBody> bodies = Sr1Run::instance().bodies();
-    if (held == Held::by_torque_with_fingers) {
-      bodies[1].model = sr1_with_fingers(*bodies[1].model);
-      bodies[1].joints.resize(bodies[1].model->joints.size());
-    }
-    world_ = Sr1Run::instance().make_world(solver, std::move(bodies));
-    for (const BodyObservation& seen : world_->sense().bodies) {
-      BodyCommand& body = command_.bodies.emplace_back();
-      body.joints.resize(seen.joints.size());
-      body.external.resize(seen.links.size());
-      body.devices.resize(seen.devices.size());
-      if (seen.joints.size() > joints_.size()) {
-        joints_ = seen.joints;
-        robot_ = command_.bodies.size() - 1;
-      }
-    }
-    steps(settled);
-  }
-
-  void steps(int count) {
-    for (int i = 0; i < count; ++i) {
-      hold();
-      world_->actuate(command_);
-      if (!world_->step()) std::abort();
-    }
-  }
-  double height() const { return world_->sense().bodies[robot_].links[0].position.z(); }
-
- private:
-  void hold() {
-    const std::vector<JointReading>& now = world_->sense().bodies[robot_].joints;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      const bool is_finger = i >= 29;
-      const double p_gain = is_finger ? 5.0 : 5000.0, d_gain = is_finger ? 0.02 : 100.0;  // [N·m/rad], [N·m·s/rad]
-      const double torque = p_gain * (joints_[i].q - now[i].q) - d_gain * now[i].dq;
-      command_.bodies[robot_].joints[i] = held_ == Held::by_limited_drive
-                                              ? JointCommand{drive_displacement, joints_[i].q}
-                                              : JointCommand{drive_effort, 0.0, 0.0, torque};
-    }
-  }
-
-  Held held_;
-  std::unique_ptr<World> world_;
-  Command command_;
-  std::vector<JointReading> joints_;  // at the beginning
-  std::size_t robot_ = 0;
-};
+constexpr int slice = 50;  // steps measured at a time
 
 void direct_over_quick(benchmark::State& state, Standing::Held held) {
   Standing direct(SolverSettings::Method::direct, held), quick(SolverSettings::Method::quick, held);

@@ -109,9 +109,8 @@ void tell_recording(const Scenario& scenario, const std::string& trace, const Ru
   }
   const double simulated = time_of(summary.ticks, scenario.time_step);
   fmt::print("recorded {}: {}\n", scenario.name, cast_of(scenario));
-  fmt::print("{}, {:g} s of simulation, in {:.2f} s: {:.3g} times real time, {:.0f} ticks/s\n",
-             count_text(summary.ticks, "tick"), simulated, seconds, simulated / seconds,
-             static_cast<double>(summary.ticks) / seconds);
+  fmt::print("{}, {:g} s of simulation, in {:.2f} s with loading: {:.3g} times real time\n",
+             count_text(summary.ticks, "tick"), simulated, seconds, simulated / seconds);
   fmt::print("{}, {}{} in {}\n", count_text(summary.channels, "channel"), count_text(summary.pictures, "picture"),
              summary.bytes > 0 ? ", " + file_size_text(summary.bytes) : "", trace);
   tell_control_times(summary.control_times);

@@ -95,8 +95,8 @@ Json report_json(const ReplayReport& report, const std::vector<std::string>& not
 }
 
 void tell(const ReplaySettings& settings, const ReplayReport& report, double seconds) {
-  fmt::print("replayed {}: {} without physics in {:.3f} s, {:.0f} ticks/s\n", settings.trace,
-             count_text(report.ticks, "tick"), seconds, static_cast<double>(report.ticks) / seconds);
+  fmt::print("replayed {}: {} without physics in {:.3f} s with loading\n", settings.trace,
+             count_text(report.ticks, "tick"), seconds);
   tell_control_times(report.control_times);
   fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
   if (report.words.first)
