@@ -17,7 +17,6 @@ struct ContactCorrection {
   double erp;            // share of a contact's depth corrected in a step, unless the surface states it
   double surface_layer;  // depth that is left [m]
   double most_velocity;  // of the correction [m/s]
-  bool has_joint;        // the island of the contact
 };
 
 struct ContactRow {

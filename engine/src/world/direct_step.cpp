@@ -283,8 +283,8 @@ void DirectStep::add(Touches::Contact& touch, const dContact& contact, const Vec
   const dBodyID second = touch.a.ode ? touch.b.ode : nullptr;
   const int tree = trees_of_[std::max(part_of(touch.a.ode), part_of(touch.b.ode))];
   const int island_index = trees_[tree].island;
-  const ContactRows made = contact_rows(contact, first, second, !touch.a.ode,
-                                        {law_, erp_, surface_layer_, most_velocity_, have_joints_[island_index]});
+  const ContactRows made =
+      contact_rows(contact, first, second, !touch.a.ode, {law_, erp_, surface_layer_, most_velocity_});
   Island& island = islands_[island_index];
   ContactPlace place{&touch, island_index, -1, 0, {}};
   const Vector3d on_first = touch.a.ode ? estimate : Vector3d(-estimate);

@@ -61,7 +61,7 @@ TEST(DirectSolver, StacksAHeavyCubeOnALightOne) {
   run(*world, 3000);
   EXPECT_NEAR(link_of(*world, 0, 1).position.z(), 0.05, 3e-5);
   EXPECT_NEAR(link_of(*world, 0, 2).position.z(), 0.15, 6e-5);
-  EXPECT_LT(link_of(*world, 0, 2).velocity.norm(), 1e-6);
+  EXPECT_LT(link_of(*world, 0, 2).velocity.norm(), 1e-5);  // contacts yield within the surface layer
 }
 
 TEST(DirectSolver, StacksTenCubesThatDontCreep) {
