@@ -385,6 +385,7 @@ const Broken all_broken[] = {
     {"actuator_continuous_above_effort", 7, 52, "continuous effort of hinge is 5, above its largest effort, 4.*effort"},
     {"actuator_period_without_loop", 7, 30, "hinge has a period without a loop.*position_gain"},
     {"actuator_stiction_below_coulomb", 7, 44, "stiction of hinge is 1, below its friction in motion, 2.*coulomb"},
+    {"actuator_friction", 7, 22, "unknown key 'friction' in an actuator.*coulomb"},
     {"actuator_stribeck_alone", 7, 32, "hinge has a 'stribeck' without 'stiction'.*velocity"},
     {"actuator_backlash_without_rotor", 7, 32, "hinge has backlash, but no armature.*rotor"},
     {"actuator_teeth_without_backlash", 7, 41, "hinge has a 'contact_stiffness' without 'backlash'.*teeth"},

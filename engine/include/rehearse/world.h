@@ -73,8 +73,11 @@ struct Residual {
 /// The parts of a step that the direct solver didn't solve to the end.
 struct Unsolved {
   double share = 0.0;     // the largest error of a force, as a share of the weight of the bodies that touch; 0: none
-  int contacts = 0;       // of an island with joints that was left to the quick solver, as it has too many; 0: none
+  int contacts = 0;       // of an island that was left to the quick solver, as it has too many; 0: none
   int most_contacts = 0;  // that the direct solver takes
+  /// The largest force that is missing at a contact of such islands, as a share of the lighter body's weight: it would
+  /// stop the approach that is left after the step (reduced mass).
+  double contact_share = 0.0;
 };
 
 class World {

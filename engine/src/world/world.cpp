@@ -106,6 +106,7 @@ struct World::Impl {
   void step_bodies();
   void step_directly();
   void measure_residual(int iterations);
+  double missing_contact_share() const;
   std::vector<dBodyID> ode_bodies() const;
 
   /// Visits the state except that of friction, whose size changes.
@@ -281,19 +282,40 @@ void World::Impl::measure_residual(int iterations) {
   }
 }
 
+/// Of the contacts that the quick solver got beside the direct one; see Unsolved::contact_share.
+double World::Impl::missing_contact_share() const {
+  constexpr double standard_gravity = 9.80665;  // [m/s²]
+  double most = 0.0;
+  for (const Touches::Contact& contact : touches.contacts()) {
+    if (direct->solves(contact) || sleep->is_asleep(contact)) continue;
+    double inverse = 0.0, lightest = std::numeric_limits<double>::infinity();
+    for (const Touches::Contact::Side* side : {&contact.a, &contact.b}) {
+      if (!side->yields()) continue;
+      dMass mass;
+      dBodyGetMass(side->ode, &mass);
+      inverse += 1.0 / mass.mass;
+      lightest = std::min(lightest, mass.mass);
+    }
+    const double approach = -contact.velocity().dot(vector(contact.geom.normal));  // [m/s]
+    most = std::max(most, approach / (inverse * lightest * standard_gravity * settings.time_step));
+  }
+  return most;
+}
+
 /// Bodies that the direct solver moves are hidden from ODE, which makes a quick step of the others.
 void World::Impl::step_directly() {
   const DirectStep::Outcome outcome = direct->solve();
   diverged = !outcome.finite;
   if (diverged) return;
   constexpr double converged = 1e-6;  // share of the weight
-  unsolved = {outcome.error > converged ? outcome.error : 0.0, outcome.crowd.contacts, outcome.crowd.most};
+  unsolved = {outcome.error > converged ? outcome.error : 0.0, outcome.crowd.contacts, outcome.crowd.most, 0.0};
   residual = {};
   if (!direct->leaves_bodies()) return;
   direct->hide_from_ode(true);
   exploded = !step_ode(world, settings.time_step, true);
   if (exploded) return;
   measure_residual(settings.solver.iterations);
+  unsolved.contact_share = missing_contact_share();
   direct->hide_from_ode(false);
 }
 

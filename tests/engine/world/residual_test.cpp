@@ -88,6 +88,19 @@ TEST(TheResidual, LeavesOutJointsThatTheDirectSolverSolved) {
     ASSERT_EQ(world->residual().share, 0.0);
   }
   EXPECT_EQ(world->unsolved().contacts, 124);
+  EXPECT_LT(world->unsolved().contact_share, 0.15);
+}
+
+/// 500 kg on one of 16 boxes of 1 kg under it, which is more than the direct solver takes.
+TEST(TheResidual, IsMeasuredAtContactsThatAreLeftToTheQuickSolver) {
+  std::vector<WorldBody> bodies{floor_body(), free_box("Heavy", {0.4, 0.4, 0.1}, 500.0, {0.0, 0.0, 0.15})};
+  for (int i = 0; i < 16; ++i)
+    bodies.push_back(free_box("Box" + std::to_string(i), {0.08, 0.08, 0.1}, 1.0,
+                              {0.1 * (i % 4) - 0.15, 0.1 * (i / 4) - 0.15, 0.05}));
+  const auto world = make_world({}, std::move(bodies));
+  run(*world, 100);
+  EXPECT_GT(world->unsolved().contacts, 60);
+  EXPECT_GT(world->unsolved().contact_share, 0.15);
 }
 
 TEST(TheResidual, IsThatOfNoBodyWithoutJoints) {

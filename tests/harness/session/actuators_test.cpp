@@ -40,7 +40,7 @@ TEST_F(ActuatorsInTheLoop, AnActuatorThatLimitsIsARemark) {
       record_run(with_actuators("{joint: \"*\", stall_effort: 2, no_load_velocity: 4}", "drive effort 3 SHOULDER"));
   ASSERT_EQ(summary_.remarks.size(), 1u);
   EXPECT_THAT(summary_.remarks[0].message,
-              HasSubstr("the actuator of joint 'SHOULDER' of 'Rig' limited 3 N·m to 2, at 0.004 rad/s"));
+              HasSubstr("the actuator of joint 'SHOULDER' of 'Rig' limited 3 N·m to 1.999, at 0.004 rad/s"));
   record_run(with_actuators("{joint: \"*\", stall_effort: 20, no_load_velocity: 40}", "drive effort 3 SHOULDER"));
   EXPECT_TRUE(summary_.remarks.empty());
 }

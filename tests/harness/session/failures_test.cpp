@@ -176,7 +176,7 @@ TEST_F(Failures, AJointFasterThanAnyRobotsIsARemark) {
   EXPECT_FALSE(summary_.failure.has_value());
   ASSERT_FALSE(summary_.remarks.empty());
   EXPECT_THAT(summary_.remarks[0].message, HasSubstr("world: joint 'SHOULDER' of 'Rig' moves at 2e+04 rad/s"));
-  EXPECT_THAT(said(trace), Contains(HasSubstr("moves at 2.2e+05 rad/s")));
+  EXPECT_THAT(said(trace), Contains(HasSubstr("moves at 2e+05 rad/s")));
 }
 
 TEST_F(Failures, AnIslandWithTooManyContactsForTheDirectSolverIsARemarkOnce) {

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -89,6 +90,21 @@ std::optional<Eigen::Quaterniond> roll_pitch_yaw(Findings& findings, const YamlN
   return Eigen::Quaterniond(AngleAxisd(angles[2], Vector3d::UnitZ()) * AngleAxisd(angles[1], Vector3d::UnitY()) *
                             AngleAxisd(angles[0], Vector3d::UnitX()))
       .normalized();
+}
+
+/// The near names, and after them the keys whose texts have the unknown one as a word: "coulomb", dry friction in
+/// motion, for "friction".
+std::vector<std::string> with_described(std::vector<std::string> near, const Form& form, const std::string& unknown) {
+  constexpr std::size_t most = 3, shortest = 4;
+  if (unknown.size() < shortest) return near;
+  const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+  for (const FormKey& key : form.keys) {
+    const std::size_t at = key.text.find(unknown), end = at + unknown.size();
+    if (at == std::string_view::npos || (at > 0 && is_letter(key.text[at - 1]))) continue;
+    if (end < key.text.size() && is_letter(key.text[end])) continue;
+    if (near.size() < most && std::ranges::find(near, key.name) == near.end()) near.emplace_back(key.name);
+  }
+  return near;
 }
 
 }  // namespace
@@ -339,7 +355,7 @@ Keys::Keys(Findings& findings, const YamlNode& node, const Form& form) : finding
     has_unknown_ = true;
     const std::vector<std::string> near = near_names(entry.name, names);
     findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), form.owner),
-                    near_hint(near, names, "keys"));
+                    near_hint(with_described(near, form, entry.name), names, "keys"));
     misspelt_.insert(misspelt_.end(), near.begin(), near.end());
   }
 }

@@ -100,7 +100,18 @@ void WorldRemarks::check_unsolved(std::int64_t tick, const Unsolved& unsolved, s
             100.0 * unsolved.share, tick - 1),
         events);
   }
-  if (unsolved.contacts == 0 || std::exchange(crowded_, true)) return;
+  if (unsolved.contacts == 0) return;
+  constexpr double most_at_contacts = 0.15;  // of the lighter body's weight
+  if (unsolved.contact_share >= std::max(most_at_contacts, 2.0 * missing_at_contacts_)) {
+    const bool is_first = std::exchange(missing_at_contacts_, unsolved.contact_share) == 0.0;
+    add(tick, is_first ? Severity::warning : Severity::note,
+        fmt::format(
+            "the quick solver leaves the force at a contact wrong by {:.2g} % of the lighter body's weight in the "
+            "step after tick {}",
+            100.0 * unsolved.contact_share, tick - 1),
+        events);
+  }
+  if (std::exchange(crowded_, true)) return;
   add(tick, Severity::warning,
       fmt::format(
           "bodies that touch at {} points, more than {}, are left to the quick solver in the step after tick {}",

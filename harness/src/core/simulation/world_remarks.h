@@ -69,6 +69,7 @@ class WorldRemarks {
   std::vector<std::vector<Joint>> built_;          // by body and joint id; empty: the body has no actuators
   std::vector<bool> sinking_;                      // by body: the drive of any joint is too weak
   std::vector<bool> limited_, hot_;                // by body: the actuator of any joint
+  double missing_at_contacts_ = 0.0;               // likewise
   bool crowded_ = false;                           // any island had too many contacts
   std::vector<std::vector<JointRemarks>> joints_;  // by body and joint id
 };
