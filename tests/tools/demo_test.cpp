@@ -24,7 +24,7 @@ class Demo : public Command {
       fs::create_directory_symlink(source / name, folder() / name, ignored);
     fs::create_symlink(command, folder() / "build/bin/rehearse", ignored);
     const std::string script = quoted((source / "tools/demo").string());
-    return run("bash", {"-c", "set -euo pipefail; source <(sed -n '/^# ticks_per/,/^}/p' " + script + "); demo"});
+    return run("bash", {"-c", "set -euo pipefail; source <(sed -n '/^# seconds TEXT/,/^}/p' " + script + "); demo"});
   }
 };
 

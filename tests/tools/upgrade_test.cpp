@@ -58,7 +58,7 @@ TEST_F(Upgrade, JudgesTheControllersOfRecordingsOfAnEarlierStep) {
     const std::string golden = recording.stem().string();
     const Outcome outcome =
         rehearse({"check", "--json", golden, "--golden", recording.string()},
-                 "cd " + quoted(sources.string()) + " && REHEARSE_PENDING=" + quoted(folder().string()));
+                 "cd " + quoted(sources.string()) + " && REHEARSE_PENDING=" + quoted((folder() / "pending").string()));
     const nlohmann::json checked = outcome.json();
     EXPECT_EQ(checked["levels"]["controller"], "equal") << golden;
     if (checked["within"] == true) continue;
