@@ -92,17 +92,23 @@ std::optional<Eigen::Quaterniond> roll_pitch_yaw(Findings& findings, const YamlN
       .normalized();
 }
 
+bool has_word(std::string_view text, std::string_view word) {
+  const auto is_letter = [&](std::size_t at) {
+    return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) || text[at] == '_');
+  };
+  for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1))
+    if ((at == 0 || !is_letter(at - 1)) && !is_letter(at + word.size())) return true;
+  return false;
+}
+
 /// The near names, and after them the keys whose texts have the unknown one as a word: "coulomb", dry friction in
 /// motion, for "friction".
 std::vector<std::string> with_described(std::vector<std::string> near, const Form& form, const std::string& unknown) {
   constexpr std::size_t most = 3, shortest = 4;
   if (unknown.size() < shortest) return near;
-  const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
   for (const FormKey& key : form.keys) {
-    const std::size_t at = key.text.find(unknown), end = at + unknown.size();
-    if (at == std::string_view::npos || (at > 0 && is_letter(key.text[at - 1]))) continue;
-    if (end < key.text.size() && is_letter(key.text[end])) continue;
-    if (near.size() < most && std::ranges::find(near, key.name) == near.end()) near.emplace_back(key.name);
+    const bool described = has_word(key.text, unknown);
+    if (described && near.size() < most && std::ranges::find(near, key.name) == near.end()) near.emplace_back(key.name);
   }
   return near;
 }
