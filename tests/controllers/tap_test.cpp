@@ -1,8 +1,10 @@
 // The tap of a robot's loop: what it refuses, and what it costs.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <linux/seccomp.h>
 #include <rehearse/tap.h>
 #include <rehearse/tap_ring.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -17,6 +19,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 static std::size_t allocations = 0;  // of the process
@@ -254,6 +257,51 @@ TEST_F(TapTest, AllocatesNothingAndCausesNoPageFaultInATick) {
   EXPECT_EQ(after.ru_majflt - before.ru_majflt, 0);
   EXPECT_GT(rehearse_tap_dropped(tap), 5000u);
   rehearse_tap_close(tap);
+}
+
+/// A reader beside a loop that doesn't wait for it: each record that it takes is whole, and has the numbers of one
+/// tick.
+TEST_F(TapTest, KeepsRecordsWholeWhileAnotherThreadReads) {
+  constexpr std::uint64_t ticks = 200'000;
+  rehearse_tap* tap = open();
+  const std::vector<const char*> names{"A", "B", "C", "D", "E", "F"};
+  const int series = rehearse_tap_joints(tap, "Walker", names.data(), names.size(), REHEARSE_TAP_Q);
+  const int descriptor = ::open(ring().c_str(), O_RDWR);
+  const std::size_t size = fs::file_size(ring());
+  void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  auto* const head = static_cast<tap_ring_head*>(memory);
+  auto* const words = reinterpret_cast<std::uint64_t*>(static_cast<std::byte*>(memory) + tap_words_place);
+  std::thread loop([&] {
+    for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+      const std::vector<double> numbers(names.size(), static_cast<double>(tick));
+      rehearse_tap_begin(tap, static_cast<std::int64_t>(tick));
+      rehearse_tap_write(tap, series, numbers.data(), numbers.size());
+      rehearse_tap_end(tap);
+    }
+  });
+  std::vector<std::uint64_t> record(tap_most_record_words);
+  std::uint64_t place = 0, count = 0, taken = 0, last = 0, wrong = 0;
+  while (last + 1 < ticks) {
+    const tap_taken got = tap_ring_take(head, words, head->words, &place, record.data(), record.size(), &count);
+    if (got == tap_nothing || got == tap_overtaken) continue;
+    bool is_right =
+        got == tap_record && record[2] == tap_record_hash(record.data(), count) && (taken == 0 || record[1] > last);
+    for (std::uint64_t i = 5; is_right && i < count; ++i) {
+      double number = 0;
+      std::memcpy(&number, &record[i], sizeof number);
+      is_right = number == static_cast<double>(record[1]);
+    }
+    if (!is_right && ++wrong > 10) break;
+    last = record[1];
+    ++taken;
+  }
+  loop.join();
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_GT(taken, 0u);
+  munmap(memory, size);
+  rehearse_tap_close(tap);
+  close(descriptor);
 }
 
 /// The kernel kills a process in this mode at any system call but read, write and the end of a thread.
