@@ -35,11 +35,12 @@ TEST_P(ThreadedGuest, GivesTheSameCommandsInEachRunAndInAReplay) {
   EXPECT_EQ(summary_.ticks, 20);
   for (int i = 0; i < 3; ++i) {
     const Trace again = record_run(scenario, "again.mcap");
-    EXPECT_TRUE(compare(first, again).equal);
+    EXPECT_EQ(first.integers("output_hash"), again.integers("output_hash"));
   }
   const auto replayed = replay_run();
   ASSERT_TRUE(replayed.ok()) << to_string(replayed.errors());
-  EXPECT_TRUE(replayed->comparison.equal) << verdict(replayed->comparison);
+  EXPECT_EQ(replayed->ticks, 20);
+  EXPECT_EQ(replayed->ticks_different, 0);
 }
 
 constexpr Guest guests[] = {{"pool"},    {"planner"},  {"double_buffer"}, {"timer"},     {"async"},
