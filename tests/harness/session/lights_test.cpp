@@ -162,7 +162,7 @@ TEST_F(Lights, AreCommandedAtTheSameTimeInNoDelayMode) {
   const Comparison compared = compare(late, at_once, {}, {});
   EXPECT_TRUE(compared.equal) << verdict(compared);
   ReplayOptions no_delay;
-  no_delay.controllers["Rig/C"] = {"Behaviours", "blink 7", false, false};
+  no_delay.controllers["Rig/C"] = {"Behaviours", "blink 7", false, false, {}};
   const auto replayed = replay_run(no_delay);
   ASSERT_TRUE(replayed.ok()) << to_string(replayed.errors());
   EXPECT_TRUE(replayed->equal());

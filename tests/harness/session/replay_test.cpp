@@ -48,7 +48,7 @@ TEST_F(Replay, GivesTheSameCommandsBitForBit) {
 TEST_F(Replay, ComparesCommandedAccelerationsAsOtherNumbers) {
   EXPECT_EQ(expect_equal(rig_with("drive acceleration 1")).values, 20 * 2);
   ReplayOptions options;
-  options.controllers["Rig/C"] = {"Behaviours", "drive acceleration 1.5", true, true};
+  options.controllers["Rig/C"] = {"Behaviours", "drive acceleration 1.5", true, true, {}};
   const ReplayReport report = replayed(options);
   EXPECT_EQ(report.values_different, 20);
   ASSERT_TRUE(report.first.has_value());
@@ -148,7 +148,7 @@ TEST_F(Replay, ScalesRelativeTolerancesOfAVectorByItsLargestNorm) {
       "    position: [9, 0, 0]\n    controllers: [" +
       behaviour("W", "wrench 1 2 3") + "]\n");
   ReplayOptions options;
-  options.controllers["Box/W"] = {"Behaviours", "wrench 1.002 2 3", true, false};
+  options.controllers["Box/W"] = {"Behaviours", "wrench 1.002 2 3", true, false, {}};
   ToleranceRule rule;
   rule.channel = "Box/W/output/*";
   rule.atol = 0.0;
@@ -202,7 +202,7 @@ TEST_F(Replay, OfACameraThatDidNotRunNeedsNoPictures) { expect_equal(rig(behavio
 TEST_F(Replay, SaysThatACommandIsMissing) {
   record_run(hinge_pd());
   ReplayOptions options;
-  options.controllers["Rig/C"] = {"Behaviours", "", true, true};  // without options the controller refuses
+  options.controllers["Rig/C"] = {"Behaviours", "", true, true, {}};  // without options the controller refuses
   const ReplayReport report = replayed(options);
   ASSERT_TRUE(report.first.has_value());
   EXPECT_EQ(report.first->tick, 0);

@@ -22,7 +22,7 @@ class WordsTest : public RunTest {
 
   static ReplayOptions with_options(const std::string& options) {
     ReplayOptions other;
-    other.controllers["Rig/C"] = {"Behaviours", options};
+    other.controllers["Rig/C"] = {"Behaviours", options, true, false, {}};
     return other;
   }
 

@@ -159,7 +159,7 @@ TEST_F(Stepped, GoesToWhereItBeginsToDifferFromBothSides) {
 TEST_F(Stepped, DiffersWhereAControllerWritesAnotherLine) {
   record_run(rig_with("lines none last"));
   SteppingOptions options;
-  options.controllers["Rig/C"] = {"Behaviours", "lines none other", true, false};
+  options.controllers["Rig/C"] = {"Behaviours", "lines none other", true, false, {}};
   const auto trace = opened(options);
   EXPECT_FALSE(trace->differs_at(1));
   EXPECT_TRUE(trace->differs_at(2));
@@ -238,7 +238,7 @@ TEST_F(Stepped, AControllerThatFailsLeavesTheTicksBehindAsRecorded) {
   record_hinge();
   // the same names, and a different library that throws in tick 7
   SteppingOptions options;
-  options.controllers["Rig/C"] = {"Behaviours", "fail throw control 7"};
+  options.controllers["Rig/C"] = {"Behaviours", "fail throw control 7", true, false, {}};
   const auto trace = opened(options);
   ASSERT_NE(trace, nullptr);
   ASSERT_TRUE(trace->failure());
@@ -325,7 +325,7 @@ TEST_F(Stepped, GivesTheLatestPictureAtOrBeforeATick) {
 /// A replay of a behaviour with options other than the recorded ones.
 SteppingOptions as(const std::string& behaviour) {
   SteppingOptions options;
-  options.controllers["Rig/C"] = {"Behaviours", behaviour};
+  options.controllers["Rig/C"] = {"Behaviours", behaviour, true, false, {}};
   return options;
 }
 

@@ -542,7 +542,7 @@ void abort_controllers_code(const char* deed) {
 
 void prepare_turns() {
   TurnScheduler& turns = TurnScheduler::instance();
-  turns.find_place = [] { return guest_frame_of(nullptr); };
+  turns.find_places = guest_frames;
   turns.name_of_function = name_of_guests_function;
   turns.on_deadlock = [] {
     if (!in_guarded_call()) return end_if_ending("waits for threads that wait for each other");
@@ -555,7 +555,7 @@ void prepare_turns() {
 std::string describe_deadlock() {
   std::string text = "never goes on, because its threads wait for each other";
   for (const TurnScheduler::Stuck& stuck : stuck_threads) {
-    const auto line = source_line_of(stuck.place);
+    const auto line = source_line_of(stuck.places);
     text += fmt::format("; {}{} waits for {}", line ? line->text() : "", stuck.thread, stuck.waits_for);
   }
   return text;

@@ -22,17 +22,35 @@ struct Walk {
 thread_local constinit volatile sig_atomic_t walks = 0;
 thread_local sigjmp_buf end_of_walk;
 
-_Unwind_Reason_Code look_at_frame(_Unwind_Context* frame, void* walk) {
-  Walk& here = *static_cast<Walk*>(walk);
+const void* place_of(_Unwind_Context* frame) {
   int is_interrupted = 0;  // else the address is that of the instruction after a call
   const std::uintptr_t address = _Unwind_GetIPInfo(frame, &is_interrupted) - (is_interrupted != 0 ? 0 : 1);
-  const auto* const place = reinterpret_cast<const void*>(address);
+  return reinterpret_cast<const void*>(address);
+}
+
+_Unwind_Reason_Code look_at_frame(_Unwind_Context* frame, void* walk) {
+  Walk& here = *static_cast<Walk*>(walk);
+  const void* const place = place_of(frame);
   if (is_code_of_guest(place)) here.found = place;
   here.frames = here.frames + 1;
   return here.found || here.frames == most_frames ? _URC_END_OF_STACK : _URC_NO_REASON;
 }
 
 }  // namespace
+
+CodePlaces guest_frames() {
+  struct Found {
+    CodePlaces places{};
+    std::size_t count = 0;
+  } found;
+  const auto look = [](_Unwind_Context* frame, void* walk) {
+    Found& here = *static_cast<Found*>(walk);
+    if (const void* const place = place_of(frame); is_code_of_guest(place)) here.places[here.count++] = place;
+    return here.count == here.places.size() ? _URC_END_OF_STACK : _URC_NO_REASON;
+  };
+  _Unwind_Backtrace(look, &found);
+  return found.places;
+}
 
 const void* guest_frame_of(const void* interrupted) {
   if (is_code_of_guest(interrupted)) return interrupted;

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "libdw.h"
 #include "reader_process.h"
@@ -80,6 +81,17 @@ std::optional<SourceLine> source_line_of(const void* place) {
   if (!place || ::dladdr(place, &object) == 0 || !object.dli_fname) return std::nullopt;
   const auto distance = static_cast<const char*>(place) - static_cast<const char*>(object.dli_fbase);
   return source_line_at(object.dli_fname, static_cast<std::uint64_t>(distance));
+}
+
+std::optional<SourceLine> source_line_of(std::span<const void* const> calls) {
+  std::optional<SourceLine> first;
+  for (const void* const place : calls) {
+    if (!place) break;
+    std::optional<SourceLine> line = source_line_of(place);
+    if (line && !is_of_another_package(line->file.native())) return line;
+    if (!first) first = std::move(line);
+  }
+  return first;
 }
 
 }  // namespace rehearse

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace rehearse {
@@ -23,5 +24,8 @@ std::optional<SourceLine> source_line_at(const std::filesystem::path& library, s
 
 /// The same for an address in this process. Null: none.
 std::optional<SourceLine> source_line_of(const void* place);
+/// Of calls, the innermost first and null behind the last one: the line of the first that isn't in a header of another
+/// package, or else of the first.
+std::optional<SourceLine> source_line_of(std::span<const void* const> calls);
 
 }  // namespace rehearse

@@ -442,8 +442,8 @@ void ControllerHost::keep_libraries_of_threads() {
 void ControllerHost::tell_threads(HostedController& hosted) {
   GuestThreads& threads = *hosted.library->threads();
   for (; hosted.reported.outside < threads.outside.size(); ++hosted.reported.outside) {
-    const auto& [words, place] = threads.outside[hosted.reported.outside];
-    const auto line = source_line_of(place);
+    const auto& [words, places] = threads.outside[hosted.reported.outside];
+    const auto line = source_line_of(places);
     event(Severity::warning, hosted.label,
           fmt::format("{}a thread waits for {}: when it goes on depends on more than the inputs",
                       line ? line->text() : "", words));

@@ -183,7 +183,7 @@ void TurnScheduler::take(TurnThread& me) {
     if (me.is_lost) suspend();
     if (go == may_run) break;
     if (go == must_state_place) {
-      me.place = find_place ? find_place() : nullptr;
+      me.places = find_places ? find_places() : CodePlaces{};
       me.has_place.store(1, std::memory_order_release);
       wake_one(me.has_place);
     }
@@ -404,7 +404,7 @@ void TurnScheduler::note_outside(const char* words) {
   constexpr std::size_t most = 8;
   auto& known = this_turn->guest->outside;
   if (known.size() >= most) return;
-  const std::pair<const char*, const void*> found(words, find_place ? find_place() : nullptr);
+  const std::pair<const char*, CodePlaces> found(words, find_places ? find_places() : CodePlaces{});
   if (std::ranges::find(known, found) == known.end()) known.push_back(found);
 }
 
@@ -443,17 +443,17 @@ std::string TurnScheduler::words_of(const TurnThread& thread) const {
 }
 
 std::vector<TurnScheduler::Stuck> TurnScheduler::stuck() {
-  std::vector<Stuck> all = {{name_of(caller_), words_of(caller_), find_place ? find_place() : nullptr}};
+  std::vector<Stuck> all = {{name_of(caller_), words_of(caller_), find_places ? find_places() : CodePlaces{}}};
   for (TurnThread* const thread : threads_) {
     if (thread->state != State::waiting && thread->state != State::suspended) continue;
-    thread->place = nullptr;
+    thread->places = {};
     if (thread->state == State::waiting) {
       thread->has_place = 0;
       thread->go.store(must_state_place, std::memory_order_release);
       wake_one(thread->go);
       while (thread->has_place.load(std::memory_order_acquire) == 0) wait_while(thread->has_place, 0);
     }
-    all.push_back({name_of(*thread), words_of(*thread), thread->place});
+    all.push_back({name_of(*thread), words_of(*thread), thread->places});
   }
   return all;
 }

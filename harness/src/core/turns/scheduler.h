@@ -11,6 +11,7 @@
 
 #include <pthread.h>
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <map>
@@ -25,6 +26,9 @@ namespace rehearse {
 /// The version of the order in which threads run. It is part of the key of a proof.
 inline constexpr int rules_of_turns = 1;
 
+/// Places in the code of guests, the innermost call first; null behind the last one.
+using CodePlaces = std::array<const void*, 6>;
+
 /// The threads that the code of one library has started, and the rules for them.
 struct GuestThreads {
   std::atomic<int> running{0};
@@ -35,8 +39,8 @@ struct GuestThreads {
   /// [ns].
   std::map<std::string, std::int64_t, std::less<>> delays;
   std::set<std::string, std::less<>> met;  // the names and functions that were looked for in `delays`
-  /// Waits for something outside of the process: words and place, each place once.
-  std::vector<std::pair<const char*, const void*>> outside;
+  /// Waits for something outside of the process: words and places, each once.
+  std::vector<std::pair<const char*, CodePlaces>> outside;
   const char* free_because = nullptr;  // the library whose threads can't take turns; null: there was none
 };
 
@@ -72,7 +76,7 @@ struct TurnThread {
   long after = 0;  // the thread that had the turn before, and has ended: this one begins when it is gone; 0: none
   int number = 0;  // 1, 2, ...: in the order of their start; 0: the caller
   char name[16] = "";
-  const void* place = nullptr;     // where it waits
+  CodePlaces places{};             // where it waits
   const void* function = nullptr;  // with which it begins
   pthread_t handle{};
   ThreadCount guest;  // null: the caller between its calls
@@ -172,14 +176,14 @@ class TurnScheduler {
 
   /// Called on the caller when all wait for each other; doesn't return. Null: the process ends.
   void (*on_deadlock)() = nullptr;
-  /// Returns the place in the code of a guest at which this thread waits.
-  const void* (*find_place)() = nullptr;
+  /// Returns the calls in which this thread waits.
+  CodePlaces (*find_places)() = nullptr;
   /// Returns the name of a function; empty: it isn't known.
   std::string (*name_of_function)(const void* function) = nullptr;
 
   struct Stuck {
     std::string thread, waits_for;
-    const void* place = nullptr;
+    CodePlaces places{};
   };
   /// What the threads wait for, the caller first. Called by the caller in a deadlock.
   std::vector<Stuck> stuck();
