@@ -66,7 +66,7 @@ target_include_directories(turns_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(turns_test PRIVATE TEST_CONTROLLERS="${test_controllers}")
 add_test_controller(Threads controllers/behaviours.cpp controllers/threads.cpp)
 target_compile_features(Threads PRIVATE cxx_std_20)
-target_link_libraries(Threads PRIVATE Threads::Threads rehearse_flags)
+target_link_libraries(Threads PRIVATE Threads::Threads)
 add_dependencies(turns_test Threads)
 
 add_test_controller(Behaviours

@@ -49,7 +49,7 @@ void bound_folder(const fs::path& folder, std::uintmax_t most) {
     files.push_back(std::move(used));
   }
   if (sum <= most) return;
-  std::ranges::sort(files, {}, [](const Used& used) { return std::tie(used.at, used.file); });
+  std::ranges::stable_sort(files, {}, [](const Used& used) { return std::tie(used.at, used.file); });
   for (const Used& used : files) {
     if (sum <= most) return;
     fs::remove(used.file, failed);
