@@ -18,6 +18,7 @@ struct Libdw {
   decltype(&dwarf_lineno) number_of = nullptr;
   decltype(&dwarf_linesrc) file_of = nullptr;
   decltype(&dwarf_getscopes) scopes_at = nullptr;
+  decltype(&dwarf_getscopes_die) scopes_of = nullptr;
   decltype(&dwarf_tag) tag_of = nullptr;
   decltype(&dwarf_attr) attribute_of = nullptr;
   decltype(&dwarf_formudata) number_in = nullptr;

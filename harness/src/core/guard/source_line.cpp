@@ -32,8 +32,9 @@ SourceLine line_in(const Libdw& dw, Dwarf_Die& unit, Dwarf_Addr address) {
   Dwarf_Line* const row = dw.line_at(&unit, address);
   const char* file = row ? dw.file_of(row, nullptr, nullptr) : nullptr;
   if (!file || dw.number_of(row, &found.line) != 0) return {};
-  Dwarf_Die* scopes = nullptr;
-  const int count = dw.scopes_at(&unit, address, &scopes);
+  // The outer scopes of an inlined function are those of its definition; those of the entry are its callers.
+  Dwarf_Die *innermost = nullptr, *scopes = nullptr;
+  const int count = dw.scopes_at(&unit, address, &innermost) > 0 ? dw.scopes_of(innermost, &scopes) : 0;
   Dwarf_Files* files = nullptr;
   for (int i = 0; i < count && is_of_another_package(file); ++i) {
     if (dw.tag_of(&scopes[i]) != DW_TAG_inlined_subroutine) continue;

@@ -33,6 +33,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// AddressSanitizer replaces the functions in which threads take turns, so in a build with it they are free.
+#if defined(__has_feature)
+constexpr bool is_sanitized = __has_feature(address_sanitizer);
+#elif defined(__SANITIZE_ADDRESS__)
+constexpr bool is_sanitized = true;
+#else
+constexpr bool is_sanitized = false;
+#endif
+
 constexpr const char* factory_name = "createSimpleController";
 constexpr const char* abi_name = "rehearseCnoidAbi";
 constexpr const char* c_functions_name = "rehearse_controller";
@@ -173,7 +182,7 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
 Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, const std::string& label,
                                                                    double call_limit, const ThreadRules& threads) {
   std::shared_ptr<ControllerLibrary> library(new ControllerLibrary);
-  library->threads_->are_free = threads.are_free;
+  library->threads_->are_free = threads.are_free || is_sanitized;
   for (const auto& [name, delay] : threads.delays) library->threads_->delays[name] = std::llround(delay * 1e9);
   library->file_ = file;
   library->label_ = label;
