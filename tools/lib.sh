@@ -99,7 +99,7 @@ planned() {
 }
 
 # estimate PLAN BEFORE LOG ELAPSED JOBS [REMAINING]: a line "DONE TOTAL PERCENT LEFT OUTPUT" of a build that has lasted
-# ELAPSED seconds: units, per cent of the cost, seconds left, and what was finished last. PLAN is of `planned`, LOG is
+# ELAPSED seconds: units, per cent of the cost, seconds left, and what is being made now. PLAN is of `planned`, LOG is
 # ninja's log, BEFORE its copy of before the build. REMAINING units are left by ninja's count: fewer than planned, if
 # an output turned out as it was.
 estimate() {
@@ -115,7 +115,6 @@ estimate() {
       weight = exp(($2 / 1000 - elapsed) / 180)
       weighted_busy += weight * ($2 - $1) / 1000
       weighted_cost += weight * cost[$4]
-      last = $4
     }
     END {
       if (!units) exit
@@ -126,7 +125,7 @@ estimate() {
       # expected counts as if it had ended.
       for (i = 1; i <= units && running < jobs; ++i) {
         if (unit[i] in is_done || cost[unit[i]] < 1) continue
-        ++running
+        if (++running == 1) now = unit[i]
         ran[i] = elapsed - (i > jobs ? end[i - jobs < finished ? i - jobs : finished] : 0)
         if (done < 0.1 * total && cost[unit[i]] > 5 && ran[i] > slowness * cost[unit[i]]) {
           weighted_busy += ran[i]
@@ -146,8 +145,13 @@ estimate() {
         core[first] += seconds
         if (core[first] > left) left = core[first]
       }
-      printf "%d %d %d %d %s\n", finished, units, total ? 100 * done / total : 0, left + 0.5, last
+      printf "%d %d %d %d %s\n", finished, units, total ? 100 * done / total : 0, left + 0.5, now
     }' file=plan "$1" file=before "$2" file=log "$3"
+}
+
+# name_of OUTPUT: an output of the build in words: "check of harness/src/core", of a file for an object.
+name_of() {
+  sed -E 's#^(.*/)?CMakeFiles/(rehearse_room_)?([^/]+)\.dir/.*#\3 of \1#; s#_(cold|hot|gdb) of# of#; s#/$##; s# of $##' <<< "$1"
 }
 
 # show_estimates FOLDER JOBS: until it or the script is ended, prints the progress of ninja's build in that folder: on a
@@ -164,9 +168,9 @@ show_estimates() {
     read -r finished units percent left output < <(estimate "$folder"/estimate/{plan,before} "$folder/.ninja_log" \
       $((SECONDS - begin)) "$jobs" "$remaining") || continue
     line="build: $percent %, $finished of $units units"
+    if [[ $output ]]; then line="build: $(name_of "$output"); $percent %, $finished of $units units"; fi
     if [[ -f $build_costs ]]; then line+=", about $((left / 60)):$(printf %02d $((left % 60))) min left"; fi
     if [[ $clear ]]; then
-      line+="; ${output/CMakeFiles\//}"
       printf "$clear%s" "${line:0:$(($(tput cols 2> /dev/null || echo 80) - 1))}"
     else
       echo "$line"

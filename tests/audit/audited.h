@@ -10,12 +10,13 @@ namespace rehearse::test {
 class Audited : public Command {
  protected:
   /// 200 ms of a pendulum that is released at 20 degrees.
-  fs::path scenario(const std::string& library, const std::string& options = "") const {
+  /// `more`: further keys of the controller, a line each.
+  fs::path scenario(const std::string& library, const std::string& options = "", const std::string& more = "") const {
     return write("zoo.yaml",
                  "rehearse: 1\nduration: 0.2\nbodies:\n  - name: Pendulum\n    model: " +
                      (fixtures / "models/pendulum.urdf").string() +
                      "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Zoo\n        library: " +
-                     ZOO "/zoo_" + library + ".so\n        options: \"" + options + "\"\n");
+                     ZOO "/zoo_" + library + ".so\n        options: \"" + options + "\"\n" + more);
   }
 };
 

@@ -135,6 +135,7 @@ const Animal animals[] = {
     {"attached_segment", "attaches memory by its number", nullptr, "", "", "shmat(21061) called in"},
     {"semaphore_set", "looks for semaphores by a number", nullptr, "", "", "semget(21061) called in"},
     {"message_queue", "looks for a queue by a number", nullptr, "", "", "msgget(21061) called in"},
+    {"good_planner", "takes what a thread has planned, in turns", nullptr, ""},
     {"good_pool_size", "asks for a size that it doesn't need", nullptr, ""},
     {"good_thread_pool", "sums in a thread for each processor", nullptr, ""},
     {"good_logs_machine", "logs host, user, load and process", nullptr, ""},
@@ -197,9 +198,12 @@ TEST_P(Zoo, IsJudgedRightly) {
   fs::create_directory(folder() / "zoo_tree");
   write("zoo_tree/leaf.txt", "green\n");
   const std::string name = animal.name;
-  const Outcome outcome = rehearse(
-      {"audit", scenario(name, name == "good_log_file" ? "log.txt" : (folder() / "gain.txt").string()).string(),
-       "--json"});
+  const Outcome outcome =
+      rehearse({"audit",
+                scenario(name, name == "good_log_file" ? "log.txt" : (folder() / "gain.txt").string(),
+                         name == "thread_command" ? "        threads: free\n" : "")
+                    .string(),
+                "--json"});
   ASSERT_THAT(outcome.out, HasSubstr("\"verdict\"")) << outcome.err;
   const nlohmann::json report = outcome.json();
   const std::string reason = reason_in(report);
@@ -221,6 +225,9 @@ TEST_P(Zoo, IsJudgedRightly) {
     EXPECT_EQ(reason, "");
     EXPECT_THAT(report["rests_on"].dump(), HasSubstr(animal.rests_on));
     const std::string verdict = report["verdict"];
+    if (name == "good_planner") {
+      EXPECT_THAT(verdict, HasSubstr("is a function of its inputs, its thread takes turns: "));
+    }
     EXPECT_EQ(verdict.find("is a function of its inputs") == std::string::npos, !report["rests_on"].empty()) << verdict;
   }
   rows().push_back(fmt::format("{:<22}{:<42}{:<13}{:<7}{}", name, animal.does,

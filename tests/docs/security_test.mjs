@@ -4,7 +4,7 @@
 // Exit status 77: there is no compiler, or the sample controller isn't built.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { copyFileSync, cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
@@ -53,7 +53,37 @@ assert.equal(recorded.status, 0, recorded.stderr);
 copyFileSync(join(folder, 'trap.so'), library);
 copyFileSync(join(folder, 'run.mcap'), join(folder, 'copy.mcap'));
 
+// each verb of the command is in one of the two lists
+const page = readFileSync(join(source, '.github/SECURITY.md'), 'utf8');
+const verbsIn = (pattern) => [...page.match(pattern)[1].matchAll(/`([a-z]+)`/g)].map(([, verb]) => verb);
+const calling = verbsIn(/Verbs that call controllers do so:([^.]*)\./);
+const harmless = verbsIn(/No other verb loads code[^:]*:([^.]*)\./);
+const verbs = [...rehearse('--help').stdout.matchAll(/^ {2}([a-z]+) {2,}\S/gm)].map(([, verb]) => verb).sort();
+assert(verbs.length > 15, `rehearse --help lists ${verbs.length} verbs`);
+assert.deepEqual([...calling, ...harmless].sort(), verbs, '.github/SECURITY.md says of each verb once whether it loads code');
+
+cpSync(join(source, 'fixtures/projects'), join(folder, 'projects'), { recursive: true });
+for (const name of ['wagon.body', 'meshes']) cpSync(join(source, 'fixtures/models', name), join(folder, 'models', name), { recursive: true });
+copyFileSync(join(folder, 'trap.so'), join(folder, 'projects/WagonController.so'));
+writeFileSync(
+  join(folder, 'drives.xml'),
+  `<mujoco><worldbody><body><joint name="j" damping="0.1"/><geom size="0.1"/></body></worldbody><actuator><motor joint="j"/></actuator></mujoco>`,
+);
+writeFileSync(
+  join(folder, 'falls.yaml'),
+  `rehearse: 1\nduration: 0.05\nbodies:\n  - {name: Box, box: {size: [0.2, 0.2, 0.2]}, mass: 1, position: [0, 0, 1]}\n` +
+    `expect:\n  - always: Box/Box/position/z > 0.9\n`,
+);
+const kept = rehearse('check', 'falls.yaml', '--history', 'history.jsonl', '--commit', 'v1', '--date', '2026-11-27');
+assert.equal(kept.status, 0, kept.stdout + kept.stderr);
+
 const reading = [
+  ['new', 'arm'],
+  ['doc'],
+  ['history', 'history.jsonl'],
+  ['import', 'projects/wagon.cnoid', '-o', 'imported'],
+  ['actuators', 'drives.xml'],
+  ['map', 'run.mcap', '--model', 'models/robot.urdf'],
   ['info', 'run.mcap', '--full'],
   ['cat', 'run.mcap'],
   ['diff', 'run.mcap', 'copy.mcap'],
@@ -81,4 +111,6 @@ for (const words of [['replay', 'run.mcap'], ['record', 'scenario.yaml', '-o', '
   assert(existsSync(loaded), `rehearse ${words[0]} has not loaded the library: the test sees nothing`);
   rmSync(loaded);
 }
+assert.deepEqual([...new Set(reading.map(([verb]) => verb))].filter((verb) => verb !== 'record').sort(), harmless.sort(),
+  'each verb that loads no code has a command here');
 console.log(`${reading.length} commands read, and none loads code; replay and record load the library that is named`);

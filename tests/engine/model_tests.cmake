@@ -2,7 +2,7 @@ find_package(tinyxml2 9 REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
 rehearse_add_test(model_tests LABEL unit SHARDS 4
-  SOURCES model/convex_hull_test.cpp model/convex_parts_test.cpp base/digest_test.cpp base/hashing_test.cpp base/result_test.cpp model/heightmap_file_test.cpp model/mesh_cache_test.cpp
+  SOURCES model/convex_hull_test.cpp model/convex_parts_test.cpp base/digest_test.cpp base/hashing_test.cpp base/result_test.cpp base/user_cache_test.cpp model/heightmap_file_test.cpp model/mesh_cache_test.cpp
           model/mesh_file_test.cpp model/mesh_hostile_test.cpp
           model/mesh_looks_test.cpp model/mesh_paths_test.cpp model/model_test.cpp model/picture_file_test.cpp
           model/sr1_test.cpp model/urdf_broken_test.cpp model/urdf_devices_test.cpp model/urdf_hostile_test.cpp

@@ -58,11 +58,20 @@ target_compile_definitions(session_tests PRIVATE
   SAMPLE_CONTROLLERS="$<TARGET_FILE_DIR:TrotController>")
 add_dependencies(session_tests TrotController)
 
+# Controllers with threads.
+find_package(Threads REQUIRED)
+rehearse_add_test(turns_test LABEL sim SHARDS 3 SOURCES session/turns_test.cpp
+  LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::cnoid)
+target_include_directories(turns_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(turns_test PRIVATE TEST_CONTROLLERS="${test_controllers}")
+add_test_controller(Threads controllers/behaviours.cpp controllers/threads.cpp)
+target_link_libraries(Threads PRIVATE Threads::Threads rehearse_flags)
+add_dependencies(turns_test Threads)
+
 add_test_controller(Behaviours
   controllers/behaviours.cpp controllers/contacts.cpp controllers/devices.cpp controllers/failures.cpp
-  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp controllers/models.cpp controllers/trespasses.cpp
+  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp controllers/models.cpp controllers/threads.cpp controllers/trespasses.cpp
   controllers/words.cpp)
-find_package(Threads REQUIRED)
 target_link_libraries(Behaviours PRIVATE Threads::Threads)
 target_link_libraries(Behaviours PRIVATE rehearse_flags)
 add_test_controller(HingePd controllers/HingePd.cpp)

@@ -133,3 +133,11 @@ foreach(language ${languages})
   run(${CMAKE_COMMAND} -E env CI=true --unset=REHEARSE_GOLDEN ${CMAKE_CTEST_COMMAND} --test-dir ${new_project}/build
       --output-on-failure)
 endforeach()
+
+# `uninstall` removes what this installation has written, and nothing else.
+file(WRITE ${prefix}/share/rehearse/mine.txt "of another program")
+run(${CMAKE_COMMAND} -D BUILD=${BUILD} -P ${TOOLS}/cmake/uninstall.cmake)
+file(GLOB_RECURSE left RELATIVE ${prefix} ${prefix}/*)
+if(NOT left STREQUAL "share/rehearse/mine.txt" OR EXISTS ${prefix}/include/rehearse OR EXISTS ${BUILD}/install_manifest.txt)
+  message(FATAL_ERROR "uninstall has left: ${left}")
+endif()

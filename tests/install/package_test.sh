@@ -69,7 +69,7 @@ if rehearse audit scenarios/hold.yaml --valgrind > /log 2>&1; then echo "valgrin
 grep "apt-get install valgrind" /log || { cat /log; exit 1; }
 
 # the workflow's own steps, in a checkout, with a release in a folder; the history stays in the cache by default
-test -f .github/workflows/test.yml || rehearse new --workflow --origin file:///origin .
+test -f .github/workflows/test.yml || rehearse new --workflow --origin file:///origin --commit "$(printf "%040d" 1)" .
 mkdir /home/new/checkout && cp -r .github .gitattributes .gitignore * /home/new/checkout/ && cd /home/new/checkout
 rm -r build
 awk '/^ +- name: / { of_branch = 0 } /^ +if: .*REHEARSE_HISTORY == .branch./ { of_branch = 1 } of_branch { block = 0; next }

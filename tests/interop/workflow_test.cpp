@@ -45,8 +45,9 @@ TEST_F(Workflow, AnActionThatUsesAnInputItDoesNotDeclareIsReported) {
 
 TEST_F(Workflow, OfANewProjectIsValid) {
   for (const char* language : {"c++", "c", "rust", "python"}) {
-    const Output made = run(quoted(REHEARSE_COMMAND) + " new --origin https://github.com/owner/name --history branch " +
-                            "--language " + language + " " + quoted(file_));
+    const Output made =
+        run(quoted(REHEARSE_COMMAND) + " new --origin https://github.com/owner/name --commit " + std::string(40, '1') +
+            " --history branch " + "--language " + language + " " + quoted(file_));
     EXPECT_EQ(made.status, 0) << made.text;
     const Output found = check(file_ / ".github/workflows/test.yml");
     EXPECT_EQ(found.status, 0) << language << ": " << found.text;

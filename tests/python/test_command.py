@@ -6,6 +6,7 @@ import subprocess
 import pytest
 
 import rehearse
+from conftest import root
 
 
 @pytest.fixture(scope="session")
@@ -84,3 +85,17 @@ def test_a_value_that_the_scenario_cannot_have_is_named_with_its_path(fixtures, 
     with pytest.raises(rehearse.Error) as raised:
         rehearse.record(fixtures / "scenarios/sr1_minimum.yaml", set={path: value})
     assert raised.value.message.startswith(message) and raised.value.file.endswith("sr1_minimum.yaml")
+
+
+def test_verbs_are_functions(fixtures, standing, tmp_path):
+    assert rehearse.inspect(fixtures / "models/pendulum.urdf").json
+    page = rehearse.report(standing.file, output=tmp_path / "page.html")
+    assert page.status == 0 and (tmp_path / "page.html").read_text().startswith("<!doctype html")
+    swept = rehearse.sweep(fixtures / "campaigns/stand_push.yaml", tmp_path / "pushed", cases=2, jobs=1)
+    assert (tmp_path / "pushed").is_dir() and swept.json
+    audited = rehearse.audit(root / "golden/PendulumSwingUp.EndsUpright.mcap")
+    assert audited.json and audited.status in (0, 1)
+    line = {"history": 1, "commit": "v1", "changed": False, "date": "", "scenario": "walk", "code": "same", "proved": True,
+            "first": None, "margins": []}
+    (tmp_path / "history.jsonl").write_text(json.dumps(line) + "\n")
+    assert rehearse.history(tmp_path / "history.jsonl").status == 0

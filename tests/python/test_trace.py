@@ -150,3 +150,84 @@ def test_a_part_is_read_without_decoding_the_rest(tmp_path):
         rehearse.Trace(file)
     part = rehearse.Trace(file, topics="/motor/current")
     assert list(part) == ["motor/data"] and part["motor/data"][1] == np.sin(1e-3) and len(part["motor/data"]) == 120_000
+
+
+def test_a_trace_closes_its_file_at_the_end_of_with(standing):
+    with rehearse.Trace(standing.file) as trace:
+        knee = trace["SR1/RLEG_KNEE/q"]
+    assert np.array_equal(knee, standing["SR1/RLEG_KNEE/q"]), "an array that was read stays"
+    with pytest.raises(rehearse.Error, match="the trace is closed"):
+        trace["SR1/RLEG_KNEE/q"]
+    assert "closed" in repr(trace)
+
+
+def test_a_star_stands_for_any_text(standing):
+    knees = standing["SR1/*_KNEE/q"]  # of the robot, and of its controller's inputs and outputs
+    assert set(knees) == {name for name in standing if name.startswith("SR1/") and name.endswith("_KNEE/q")}
+    assert set(standing["SR1/R*G_KNEE/q"]) == {"SR1/RLEG_KNEE/q"}
+    assert np.array_equal(knees["SR1/LLEG_KNEE/q"], standing["SR1/LLEG_KNEE/q"])
+    assert len(standing["*"]) == len(standing)
+    with pytest.raises(rehearse.UnknownName, match=r"no series matches 'SR1/\*_NEE/q'"):
+        standing["SR1/*_NEE/q"]
+
+
+def test_pictures_have_slices_and_a_clear_error(standing):
+    pictures = standing.images["SR1/LeftCamera"]
+    part = pictures[10:20:2]
+    assert len(part) == 5 and np.array_equal(part[1], pictures[12]) and np.array_equal(part[-1], pictures[18])
+    assert np.array_equal(part.time, pictures.time[10:20:2])
+    assert np.array_equal(pictures[np.int64(3)], pictures[3])
+    with pytest.raises(TypeError, match="expected an int or a slice, not 0.5"):
+        pictures[0.5]
+    with pytest.raises(IndexError, match="has 5 pictures, no number 5"):
+        part[5]
+
+
+def test_a_file_that_is_not_there_is_a_file_not_found_error():
+    for load in (rehearse.Trace, rehearse.check, rehearse.replay):
+        with pytest.raises(FileNotFoundError) as raised:
+            load("nowhere/missing.mcap")
+        assert isinstance(raised.value, rehearse.Error) and raised.value.file == "nowhere/missing.mcap"
+
+
+def test_columns_have_the_last_value_of_each_tick(standing):
+    rows, columns = standing._aligned(["tick", "SR1/RLEG_KNEE/q"])
+    assert np.array_equal(rows, standing.time) and columns["tick"].dtype == standing["tick"].dtype
+    stamps, values = standing.stamps("SR1/RLEG_KNEE/q"), standing["SR1/RLEG_KNEE/q"]
+    for row in (0, 17, len(rows) - 1):
+        before = values[stamps <= standing.stamps("tick")[row]]
+        assert columns["SR1/RLEG_KNEE/q"][row] == before[-1] if len(before) else np.isnan(columns["SR1/RLEG_KNEE/q"][row])
+
+
+def test_a_table_of_pandas_has_times_and_units(standing):
+    pytest.importorskip("pandas")
+    table = standing.to_pandas("SR1/*_KNEE/q", "tick")
+    assert table.index.name == "time" and len(table) == standing.ticks
+    assert table.attrs["units"]["SR1/RLEG_KNEE/q"] == "rad"
+
+
+def test_a_missing_package_is_named(standing, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(rehearse.Error, match="to_pandas.. needs pandas, which isn't installed"):
+        standing.to_pandas()
+
+
+def test_series_are_drawn_beside_those_of_a_golden(standing):
+    pytest.importorskip("matplotlib").use("Agg")
+    axes = standing.plot("SR1/R*G_KNEE/q", "SR1/L*G_KNEE/q", golden=standing.file)
+    labels = {line.get_label() for line in axes.get_lines()}
+    assert labels == {"SR1/RLEG_KNEE/q", "SR1/RLEG_KNEE/q, golden", "SR1/LLEG_KNEE/q", "SR1/LLEG_KNEE/q, golden"}
+    assert axes.get_ylabel() == "[rad]"
+
+
+def test_a_notebook_shows_curves_and_a_verdict(standing):
+    page = standing._repr_html_()
+    assert page.count("<svg") > 5 and "1001 ticks" in page
+    result = rehearse.Result({"verdict": "a < b", "report": "x.html", "levels": {"closed": "differs"},
+                              "expectations": [{"text": "it holds", "holds": True}]}, 1)
+    page = result._repr_html_()
+    assert "a &lt; b" in page and "closed: differs" in page and "it holds" in page and 'href="file:///' in page
+
+
+def test_the_module_has_a_version():
+    assert rehearse.__version__.count(".") == 2

@@ -13,11 +13,12 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::string origin = "https://github.com/owner/name";
+const std::string commit = "0123456789012345678901234567890123456789";
 
 class New : public Command {};
 
 TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
-  const Outcome outcome = run(command, {"new", "my walker", "--origin", origin});
+  const Outcome outcome = run(command, {"new", "my walker", "--origin", origin, "--commit", commit});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("cmake -S . -B build"));
   EXPECT_THAT(outcome.out, HasSubstr("\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
@@ -36,13 +37,14 @@ TEST_F(New, WritesTheControllerInTheLanguageThatIsAskedFor) {
               AllOf(HasSubstr("project(in_c C CXX)"), HasSubstr("rehearse_add_simple_controller(Hold hold.c)")));
   EXPECT_TRUE(fs::exists(folder() / "in_c/hold.c"));
   EXPECT_FALSE(fs::exists(folder() / "in_c/hold.cpp"));
-  ASSERT_EQ(run(command, {"new", "--language", "rust", "in_rust", "--origin", origin}).status, 0);
+  ASSERT_EQ(run(command, {"new", "--language", "rust", "in_rust", "--origin", origin, "--commit", commit}).status, 0);
   EXPECT_THAT(read_file(folder() / "in_rust/CMakeLists.txt"),
               HasSubstr("rehearse_add_rust_controller(Hold Cargo.toml)"));
   EXPECT_THAT(read_file(folder() / "in_rust/README.md"), HasSubstr("| `src/lib.rs` | the controller"));
   EXPECT_THAT(read_file(folder() / "in_rust/.github/workflows/test.yml"), HasSubstr(" cargo cmake g++ make "));
   EXPECT_TRUE(fs::exists(folder() / "in_rust/src/rehearse.rs"));
-  ASSERT_EQ(run(command, {"new", "--language", "python", "in_python", "--origin", origin}).status, 0);
+  ASSERT_EQ(run(command, {"new", "--language", "python", "in_python", "--origin", origin, "--commit", commit}).status,
+            0);
   EXPECT_THAT(read_file(folder() / "in_python/scenarios/hold.yaml"), HasSubstr("- library: hold.py:Hold\n"));
   EXPECT_THAT(read_file(folder() / "in_python/README.md"), HasSubstr("# in_python\n"));
   EXPECT_TRUE(fs::exists(folder() / "in_python/test_hold.py"));
@@ -60,11 +62,13 @@ TEST_F(New, WritesTheControllerInTheLanguageThatIsAskedFor) {
 }
 
 TEST_F(New, ItsWorkflowNeedsNoVariableOfTheRepository) {
-  ASSERT_EQ(run(command, {"new", ".", "--origin", origin}).status, 0);
+  ASSERT_EQ(run(command, {"new", ".", "--origin", origin, "--commit", commit}).status, 0);
   const std::string workflow = read_file(folder() / ".github/workflows/test.yml");
   EXPECT_THAT(workflow, AllOf(Not(HasSubstr("vars.")), Not(HasSubstr("secrets.")), Not(ContainsRegex("@[A-Z]+@"))));
-  EXPECT_THAT(workflow,
-              HasSubstr("  REHEARSE_ORIGIN: \"https://github.com/owner/name\"\n  REHEARSE_COMMIT: \"HEAD\" "));
+  EXPECT_THAT(workflow, HasSubstr("  REHEARSE_ORIGIN: \"https://github.com/owner/name\"\n  REHEARSE_COMMIT: \"" +
+                                  commit + "\" "));
+  EXPECT_THAT(workflow, AllOf(HasSubstr("    timeout-minutes: "), HasSubstr("\nconcurrency:"),
+                              HasSubstr("key: rehearse-" REHEARSE_VERSION "-${{ env.REHEARSE_COMMIT }}-debian12")));
   EXPECT_THAT(workflow, HasSubstr("/releases/download/v" REHEARSE_VERSION "/$1_" REHEARSE_VERSION "-1_amd64.deb\""));
 }
 
@@ -76,7 +80,8 @@ TEST_F(New, WithoutAnAddressItSaysHowToGetAWorkflow) {
   EXPECT_THAT(made.out, EndsWith("ctest --test-dir build --output-on-failure\n")) << "its steps can be copied";
   EXPECT_EQ(made.err,
             "note: it has no workflow for GitHub Actions, as this build doesn't know the address of Rehearse's "
-            "repository: rehearse new --workflow --origin URL 'my arm' writes one\n");
+            "repository: rehearse new --workflow --origin URL --commit COMMIT 'my arm' writes one\n");
+  EXPECT_THAT(read_file(folder() / "my arm/README.md"), Not(HasSubstr("GitHub"))) << "it speaks of what there is";
   const Outcome refused = run(command, {"new", "--workflow", "my arm"});
   EXPECT_EQ(refused.status, 2);
   EXPECT_EQ(refused.err,
@@ -85,17 +90,45 @@ TEST_F(New, WithoutAnAddressItSaysHowToGetAWorkflow) {
 
 TEST_F(New, AddsAWorkflowToAProjectThatExists) {
   fs::create_directory(folder() / "arm");
-  const Outcome added = run(command, {"new", "--workflow", "--origin", origin, "arm"});
+  const Outcome added = run(command, {"new", "--workflow", "--origin", origin, "--commit", commit, "arm"});
   EXPECT_EQ(added.status, 0) << added.err;
   EXPECT_THAT(added.out, HasSubstr("arm/.github/workflows/test.yml: builds the project and runs its tests on GitHub"));
   EXPECT_FALSE(fs::exists(folder() / "arm/hold.cpp"));
   EXPECT_THAT(read_file(folder() / "arm/.github/workflows/test.yml"), HasSubstr(origin));
-  const Outcome again = run(command, {"new", "--workflow", "--origin", origin, "arm"});
+  const Outcome again = run(command, {"new", "--workflow", "--origin", origin, "--commit", commit, "arm"});
   EXPECT_EQ(again.status, 2);
   EXPECT_EQ(again.err,
             "arm/.github/workflows/test.yml: error: there is a workflow (remove it to have it written anew)\n");
-  EXPECT_EQ(run(command, {"new", "--workflow", "--origin", origin, "nowhere"}).err,
+  EXPECT_EQ(run(command, {"new", "--workflow", "--origin", origin, "--commit", commit, "nowhere"}).err,
             "error: there is no folder nowhere\n");
+}
+
+TEST_F(New, ItsWorkflowNamesAWholeCommit) {
+  for (const char* wrong : {"HEAD", "main", "0123456", "v0.1.0"}) {
+    const Outcome refused = run(command, {"new", "arm", "--origin", origin, "--commit", wrong});
+    EXPECT_EQ(refused.status, 2) << wrong;
+    EXPECT_EQ(refused.err, "error: --commit '" + std::string(wrong) +
+                               "' isn't a whole commit (expected 40 digits, as git ls-remote URL HEAD prints them)\n");
+  }
+  if (!std::string(REHEARSE_COMMIT).empty()) GTEST_SKIP() << "this build knows its commit";
+  const Outcome made = run(command, {"new", "arm", "--origin", origin});
+  EXPECT_EQ(made.status, 0);
+  EXPECT_FALSE(fs::exists(folder() / "arm/.github"));
+  EXPECT_EQ(made.err,
+            "note: it has no workflow for GitHub Actions, as this build doesn't know the commit of Rehearse: rehearse "
+            "new --workflow --commit COMMIT arm writes one\n");
+  EXPECT_EQ(run(command, {"new", "--workflow", "--origin", origin, "arm"}).err,
+            "error: this build doesn't know its commit, which the workflow names (--commit COMMIT states it; git "
+            "ls-remote URL HEAD prints the newest)\n");
+}
+
+TEST_F(New, ItsReadmeSpeaksOfTheWorkflowThatWasWritten) {
+  for (const char* language : {"c++", "python"}) {
+    const std::string name = std::string("in_") + language;
+    ASSERT_EQ(run(command, {"new", name, "--language", language, "--origin", origin, "--commit", commit}).status, 0);
+    EXPECT_THAT(read_file(folder() / name / "README.md"),
+                HasSubstr("\n\nOn GitHub `.github/workflows/test.yml` runs the tests, "));
+  }
 }
 
 TEST_F(New, RefusesAnAddressThatGitHubCantFetchFrom) {
@@ -110,8 +143,8 @@ TEST_F(New, RefusesAnAddressThatGitHubCantFetchFrom) {
 }
 
 TEST_F(New, ItsWorkflowMayWriteOnlyForABranchOfTheHistory) {
-  ASSERT_EQ(run(command, {"new", "usual", "--origin", origin}).status, 0);
-  ASSERT_EQ(run(command, {"new", "branch", "--origin", origin, "--history", "branch"}).status, 0);
+  ASSERT_EQ(run(command, {"new", "usual", "--origin", origin, "--commit", commit}).status, 0);
+  ASSERT_EQ(run(command, {"new", "branch", "--origin", origin, "--commit", commit, "--history", "branch"}).status, 0);
   const auto workflow = [&](const std::string& project) {
     return read_file(folder() / project / ".github/workflows/test.yml");
   };
@@ -131,7 +164,7 @@ std::string script_of(const std::string& workflow, const std::string& step) {
 
 /// The steps that keep the history on a branch, with a repository on this disk.
 TEST_F(New, ItsWorkflowKeepsTheHistoryOnABranch) {
-  ASSERT_EQ(run(command, {"new", "arm", "--origin", origin, "--history", "branch"}).status, 0);
+  ASSERT_EQ(run(command, {"new", "arm", "--origin", origin, "--commit", commit, "--history", "branch"}).status, 0);
   const std::string workflow = read_file(folder() / "arm/.github/workflows/test.yml");
   const auto write_step = [&](const std::string& name, const std::string& step) {
     std::string text = script_of(workflow, step);
@@ -169,7 +202,7 @@ TEST_F(New, ItsWorkflowKeepsTheHistoryOnABranch) {
 class NewWorkflow : public New {
  protected:
   NewWorkflow() {
-    EXPECT_EQ(run(command, {"new", ".", "--origin", "file://" + repository().string()}).status, 0);
+    EXPECT_EQ(run(command, {"new", ".", "--origin", "file://" + repository().string(), "--commit", commit}).status, 0);
     const std::string workflow = read_file(folder() / ".github/workflows/test.yml");
     std::string text = script_of(workflow, "Fetch the packages of Rehearse, or build them");
     const std::string source = (folder() / "source").string();  // in place of the step's own folder

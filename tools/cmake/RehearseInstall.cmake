@@ -76,5 +76,7 @@ foreach(target rehearse_interposer rehearse_pages)
 endforeach()
 
 if(PROJECT_IS_TOP_LEVEL)
+  add_custom_target(uninstall
+    COMMAND ${CMAKE_COMMAND} -D BUILD=${CMAKE_BINARY_DIR} -P ${PROJECT_SOURCE_DIR}/tools/cmake/uninstall.cmake VERBATIM)
   include(RehearsePackage)
 endif()

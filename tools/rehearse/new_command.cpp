@@ -64,10 +64,16 @@ constexpr Testing by_pytest{"python3-rehearse", "python3-pytest ",
 /// Where the workflow keeps the history of checks.
 constexpr std::string_view history_places[] = {"artifact", "branch"};
 
+/// The paragraph of README.md on the workflow.
+constexpr std::string_view on_github =
+    "\nOn GitHub `.github/workflows/test.yml` runs the tests, and keeps reports, runs that differ, and the history of "
+    "margins.\n";
+
 struct NewSettings {
   std::string folder;
   std::string language = std::string(languages[0].name);
   std::string origin;  // the repository of Rehearse; empty: that of this build
+  std::string commit;  // of Rehearse; empty: that of this build
   std::string history = std::string(history_places[0]);
   bool workflow_only = false;  // of a project that exists
 };
@@ -78,6 +84,8 @@ struct Replacements {
   const Language& language;
   std::string history;
   std::string schema;  // of scenarios: the path of the file
+
+  bool has_workflow() const { return !origin.empty() && !commit.empty(); }
 };
 
 /// The folder's name, with '_' instead of characters that a CMake project's name can't contain.
@@ -112,6 +120,7 @@ std::string filled_in(std::string_view text, const Replacements& replacements) {
   replace(filled, "@KEPT@", std::string(testing.kept));
   replace(filled, "@HISTORY@", replacements.history);
   replace(filled, "@SCHEMA@", replacements.schema);
+  replace(filled, "@ON_GITHUB@", replacements.has_workflow() ? std::string(on_github) : "");
   replace(filled, "@CONTENTS@", replacements.history == "branch" ? "write" : "read");
   return filled;
 }
@@ -125,17 +134,24 @@ Result<void> check_origin(const std::string& origin) {
                "expected one that anyone can fetch from, as https://github.com/OWNER/NAME");
 }
 
+/// Checks a commit that GitHub's machines fetch. A name would be another commit each day, and the packages that the
+/// cache keeps of the first one would stay.
+Result<void> check_commit(const std::string& commit) {
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if ((commit.size() == 40 || commit.size() == 64) && std::ranges::all_of(commit, is_digit)) return {};
+  return error(fmt::format("--commit '{}' isn't a whole commit", commit),
+               "expected 40 digits, as git ls-remote URL HEAD prints them");
+}
+
 /// The schema of scenarios, which is installed with the command.
 std::string scenario_schema() { return (program_tree() / "share/rehearse/schemas/scenario.json").string(); }
 
-/// What the files of this project are filled in with. The commit is known only of this build's own repository.
+/// What the files of this project are filled in with. Another repository is one of the same commits.
 Replacements replacements_of(const NewSettings& settings) {
   const BuiltFrom built = built_from();
-  const bool is_own = settings.origin.empty() || settings.origin == built.repository;
-  const bool has_commit = is_own && !built.commit.empty();
   return {project_name(settings.folder),
-          is_own ? std::string(built.repository) : settings.origin,
-          has_commit ? std::string(built.commit) : "HEAD",
+          settings.origin.empty() ? std::string(built.repository) : settings.origin,
+          settings.commit.empty() ? std::string(built.commit) : settings.commit,
           *std::ranges::find(languages, settings.language, &Language::name),
           settings.history,
           scenario_schema()};
@@ -185,6 +201,9 @@ Exit add_workflow(const fs::path& folder, const Replacements& replacements) {
   if (!fs::is_directory(folder, ignored)) return refuse(error(fmt::format("there is no folder {}", folder.string())));
   if (replacements.origin.empty())
     return refuse(error("this build doesn't know the address of Rehearse's repository", "--origin URL states it"));
+  if (replacements.commit.empty())
+    return refuse(error("this build doesn't know its commit, which the workflow names",
+                        "--commit COMMIT states it; git ls-remote URL HEAD prints the newest"));
   if (fs::exists(target, ignored))
     return refuse(error_in(target.string(), "there is a workflow", "remove it to have it written anew"));
   for (const ProjectFile& file : new_project_files())
@@ -229,10 +248,12 @@ Exit run_new(const NewSettings& settings) {
   const fs::path folder = settings.folder;
   if (!settings.origin.empty())
     if (const auto usable = check_origin(settings.origin); !usable) return refuse(usable.errors());
+  if (!settings.commit.empty())
+    if (const auto usable = check_commit(settings.commit); !usable) return refuse(usable.errors());
   const Replacements replacements = replacements_of(settings);
   const Language& language = replacements.language;
   if (settings.workflow_only) return add_workflow(folder, replacements);
-  const bool has_workflow = !replacements.origin.empty();
+  const bool has_workflow = replacements.has_workflow();
   if (const auto written = write_project(folder, replacements, has_workflow); !written) return refuse(written.errors());
 
   const std::string where = prefix();
@@ -250,9 +271,11 @@ Exit run_new(const NewSettings& settings) {
   std::fflush(stdout);  // before related output on stderr
   if (!has_workflow)
     fmt::print(stderr,
-               "note: it has no workflow for GitHub Actions, as this build doesn't know the address of Rehearse's "
-               "repository: rehearse new --workflow{} --origin URL {} writes one\n",
-               language.is_built ? "" : " --language python", shell_word(folder.string()));
+               "note: it has no workflow for GitHub Actions, as this build doesn't know the {}: rehearse new "
+               "--workflow{}{}{} {} writes one\n",
+               replacements.origin.empty() ? "address of Rehearse's repository" : "commit of Rehearse",
+               language.is_built ? "" : " --language python", replacements.origin.empty() ? " --origin URL" : "",
+               replacements.commit.empty() ? " --commit COMMIT" : "", shell_word(folder.string()));
   return Exit::done;
 }
 
@@ -273,6 +296,11 @@ std::function<Exit()> declare_new(CLI::App& options) {
                   "the repository of Rehearse, from which the workflow for GitHub Actions gets its packages or its "
                   "source; without it, the one of which this command was built")
       ->type_name("URL");
+  options
+      .add_option("--commit", settings->commit,
+                  "with --origin: the commit that the workflow builds if there is no release; without it, the one of "
+                  "which this command was built")
+      ->type_name("COMMIT");
   options
       .add_option("--history", settings->history,
                   "where the workflow keeps the history of checks: artifact (in the cache of GitHub Actions, and in an "

@@ -114,8 +114,9 @@ def main():
     own = io_module(sys.argv[1])
     parts = [HEAD]
     parts += [class_text(cls) for cls in (rehearse.Trace, rehearse.Moment, rehearse.Pictures)]
-    parts += [function_text(one) for one in (rehearse.check, rehearse.record, rehearse.replay, rehearse.diff)]
-    parts += [class_text(cls) for cls in (rehearse.Result, rehearse.Error, rehearse.UnknownName, rehearse.Controller,
+    parts += [function_text(one) for one in (rehearse.check, rehearse.record, rehearse.replay, rehearse.diff, rehearse.sweep,
+                                             rehearse.audit, rehearse.history, rehearse.inspect, rehearse.report)]
+    parts += [class_text(cls) for cls in (rehearse.Result, rehearse.Error, rehearse.UnknownName, rehearse.NoSuchFile, rehearse.Controller,
                                           own.IO, own.Joint, own.Link, own.Device, rehearse.ControllerBench)]
     parts += [function_text(one) for one in (testing.assert_matches_golden, testing.assert_holds, testing.assert_replays)]
     print("\n".join(parts), end="")

@@ -106,23 +106,27 @@ constexpr const Unit* find_unit(std::string_view name) {
   return nullptr;
 }
 
-/// The name of a unit of the registry; another name doesn't compile.
+/// The name of a unit of the registry; another name doesn't compile. It has the number of the row, because programs and
+/// libraries may each have a copy of the rows.
 class UnitName {
  public:
-  constexpr UnitName() : unit_(&units::rows[0]) {}
-  consteval UnitName(const char* name) : unit_(find_unit(name)) {
-    if (unit_ == nullptr) throw "rehearse/units.h has no row for this unit";
+  constexpr UnitName() = default;
+  consteval UnitName(const char* name) {
+    const Unit* row = find_unit(name);
+    if (row == nullptr) throw "rehearse/units.h has no row for this unit";
+    number_ = static_cast<std::size_t>(row - units::rows);
   }
 
-  constexpr const Unit& row() const { return *unit_; }
-  constexpr std::string_view name() const { return unit_->name; }
-  constexpr operator std::string_view() const { return unit_->name; }
-  constexpr bool empty() const { return unit_->name.empty(); }
-  constexpr std::span<const Spelling> spellings() const { return unit_->all_spellings(); }
-  friend constexpr bool operator==(const UnitName& a, const UnitName& b) { return a.unit_ == b.unit_; }
+  constexpr std::size_t number() const { return number_; }
+  constexpr const Unit& row() const { return units::rows[number_]; }
+  constexpr std::string_view name() const { return row().name; }
+  constexpr operator std::string_view() const { return name(); }
+  constexpr bool empty() const { return name().empty(); }
+  constexpr std::span<const Spelling> spellings() const { return row().all_spellings(); }
+  friend constexpr bool operator==(const UnitName&, const UnitName&) = default;
 
  private:
-  const Unit* unit_;
+  std::size_t number_ = 0;
 };
 
 /// The units of an error that depends on how often a quantity is measured.

@@ -48,7 +48,7 @@ void each_in_expressions(Use&& use) {
 }  // namespace
 
 std::span<const Spelling> density_spellings(UnitName unit, DensityPer per) {
-  return densities().spellings[&unit.row() - units::rows][static_cast<std::size_t>(per)];
+  return densities().spellings[unit.number()][static_cast<std::size_t>(per)];
 }
 
 std::optional<double> factor_in(std::span<const Spelling> spellings, std::string_view text) {

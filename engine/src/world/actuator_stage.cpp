@@ -37,6 +37,7 @@ double mean_decay(double x) {
 ActuatorStage::ActuatorStage(const Actuator& actuator, double start, double time_step)
     : actuator_(actuator),
       time_step_(time_step),
+      delay_(steps_in(actuator.delay, time_step)),
       lag_(decay(pace_of(actuator.bandwidth, time_step))),
       mean_lag_(mean_decay(pace_of(actuator.bandwidth, time_step))),
       cooling_(actuator.continuous_effort ? decay(time_step / actuator.thermal_time) : 0.0) {
@@ -121,7 +122,7 @@ JointCommand ActuatorStage::rounded(JointCommand command) const {
 
 /// Of the command that was written in that step [steps].
 double ActuatorStage::delay_of(std::int64_t step) const {
-  if (actuator_.jitter <= 0.0) return steps_in(actuator_.delay, time_step_);
+  if (actuator_.jitter <= 0.0) return delay_;
   const double random = 2.0 * Chance(actuator_.key, step).uniform(0) - 1.0;
   return std::max(0.0, (actuator_.delay + actuator_.jitter * random) / time_step_);
 }
@@ -134,13 +135,15 @@ JointCommand ActuatorStage::in_force() {
   double until = 1.0;  // of the step
   bool is_newest = true;
   const auto size = static_cast<std::int64_t>(written_.size());
-  for (std::int64_t age = 0; age < size && until > 0.0; ++age) {
-    const std::int64_t step = steps_ - age;
+  const std::int64_t newest = steps_ % size;
+  // without jitter those that are newer haven't arrived
+  const std::int64_t first = actuator_.jitter > 0.0 ? 0 : std::min(static_cast<std::int64_t>(delay_), size - 1);
+  for (std::int64_t age = first; age < size && until > 0.0; ++age) {
     const bool is_oldest = age + 1 == size;
-    const double arrival = delay_of(step) - static_cast<double>(age);
+    const double arrival = delay_of(steps_ - age) - static_cast<double>(age);
     if (arrival >= until && !is_oldest) continue;
     const double from = is_oldest ? 0.0 : std::max(arrival, 0.0);
-    const JointCommand& command = written_[static_cast<std::size_t>((step % size + size) % size)];
+    const JointCommand& command = written_[static_cast<std::size_t>(newest < age ? newest - age + size : newest - age)];
     const double share = until - from;
     if (share == 1.0) return command;
     if (std::exchange(is_newest, false)) mean.drive = command.drive;

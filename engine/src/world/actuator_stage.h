@@ -55,6 +55,7 @@ class ActuatorStage {
 
   const Actuator& actuator_;
   const double time_step_;
+  const double delay_;           // without jitter [steps]
   const double lag_, mean_lag_;  // shares of the effort before the step at its end, and in its mean
   const double cooling_;         // share of the heat before the step at its end
   // state

@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <cstddef>
-#include <map>
 #include <vector>
 
 namespace rehearse {
@@ -30,13 +29,24 @@ class JointInertias {
 
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
-  using Matrix6d = Eigen::Matrix<double, 6, 6>;
-  double of_motion(int part, const Vector6d& motion) const;
 
-  Eigen::Vector3d reference_;                            // of motions: rotation, then velocity of this point
-  std::vector<Matrix6d> subtrees_;                       // by part: spatial inertia of it and all parts beyond it
-  std::vector<std::size_t> roots_;                       // by part: the first part of its tree
-  std::map<std::size_t, Eigen::LDLT<Matrix6d>> wholes_;  // by root, of trees that aren't fixed to the world
+  /// A spatial inertia about reference_: [inertia, [moment]x; -[moment]x, mass].
+  struct Subtree {
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // mass times the centre's distance
+    double mass = 0.0;
+    Vector6d momentum(const Eigen::Vector3d& w, const Eigen::Vector3d& v) const;
+  };
+  /// Of a tree that isn't fixed to the world: its factors.
+  using Whole = Eigen::LDLT<Eigen::Matrix<double, 6, 6>>;
+
+  static Whole factored(const Subtree& tree);
+  double of_motion(int part, const Eigen::Vector3d& w, const Eigen::Vector3d& v) const;
+
+  Eigen::Vector3d reference_;      // of motions: rotation w, then velocity v of this point
+  std::vector<Subtree> subtrees_;  // by part: it and all parts beyond it
+  std::vector<int> wholes_of_;     // by part: the index of its tree's factors; -1: the tree is fixed to the world
+  std::vector<Whole> wholes_;
 };
 
 }  // namespace rehearse

@@ -29,6 +29,7 @@ struct GivenController {
   std::string options;    // its own option string
   bool delay = true;      // commands act one tick late
   bool optional = false;  // the run continues without it if it refuses to take part
+  ThreadRules threads;    // of its own threads
 };
 
 /// The controllers of a run, and how they are called; independent of the scenario.

@@ -81,12 +81,20 @@ struct Place {
 /// The diagnostic with that place added.
 Diagnostic at(const Place& place, Diagnostic diagnostic);
 
+/// `threads:` of a controller: how the threads that it starts run.
+struct ThreadRules {
+  bool are_free = false;  // as the kernel lets them; else in turns
+  /// By the name of a thread, or of the function with which it begins: how much later it goes on when it was woken [s].
+  std::map<std::string, double> delays = {};
+};
+
 struct ScenarioController {
   std::string name;                          // unique within its body; names the channels
   std::string library;                       // a name (SR1MinimumController) or a path relative to the scenario
   std::string options;                       // the controller's own option string
   bool delay = true;                         // commands act one tick late
   bool optional = false;                     // the run continues without it if it refuses to take part
+  ThreadRules threads;                       // of its own threads
   bool is_called = true;                     // false: a child of a child, which is started and stopped only
   std::vector<ScenarioController> children;  // they use their parent's body; those of a child follow it
   std::vector<Spell> lost;                   // faults: its commands of these times don't arrive

@@ -6,6 +6,7 @@ these functions start ``rehearse``, and their results are the JSON objects that 
 
 from __future__ import annotations
 
+import html
 import json
 import os
 import shutil
@@ -13,7 +14,7 @@ import subprocess
 from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Union
 
-from ._errors import Diagnostic, Error
+from ._errors import Diagnostic, Error, NoSuchFile
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -54,6 +55,24 @@ class Result:
         return f"<Result: {said}>" if said else f"<Result with {', '.join(self.json)}>"
 
 
+    def _repr_html_(self) -> str:
+        """The verdict, the state of each level, the margin of each expectation and a link to the report."""
+        said = self.json.get("verdict")
+        if not said:
+            return html.escape(repr(self))
+        parts = [f'<p><b style="color: {"green" if self else "#b00020"}">{html.escape(str(said))}</b></p>']
+        levels = self.json.get("levels")
+        if isinstance(levels, dict):
+            parts.append("<p>" + "; ".join(f"{html.escape(name)}: {html.escape(str(state))}" for name, state in levels.items()) + "</p>")
+        for expectation in self.json.get("expectations") or []:
+            mark = "&#10003;" if expectation.get("holds") else "&#10007;"
+            parts.append(f"<div>{mark} {html.escape(str(expectation.get('text', '')))}</div>")
+        if self.json.get("report"):
+            address = Path(self.json["report"]).resolve().as_uri()
+            parts.append(f'<p><a href="{html.escape(address)}">report</a></p>')
+        return "".join(parts)
+
+
 def _as_attributes(value: Any) -> Any:
     if isinstance(value, dict):
         return Result(value)
@@ -87,6 +106,11 @@ def _words(options: Mapping[str, Any]) -> List[str]:
 
 def _run(verb: str, *files: PathLike, controllers: Optional[Mapping[str, PathLike]] = None, **options: Any) -> Result:
     """Runs a verb with --json. Raises Error with the command's diagnostics if it printed no result."""
+    for file in files:
+        # a word without a folder and an ending may be a scenario's name
+        is_path = os.path.dirname(os.fspath(file)) or Path(file).suffix in (".yaml", ".mcap", ".urdf", ".jsonl")
+        if is_path and not os.path.exists(file):
+            raise NoSuchFile.named(os.fspath(file))
     words = [command(), verb, "--json", *_words(options)]
     for name, library in (controllers or {}).items():
         words += ["--controller", f"{name}={os.fspath(library)}"]
@@ -156,3 +180,32 @@ def diff(expected: PathLike, actual: PathLike, *, tolerances: Optional[PathLike]
          align: Optional[str] = None) -> Result:
     """Compares two recordings or logs, as ``rehearse diff``. The result has ``verdict``, ``first`` and ``channels``."""
     return _run("diff", expected, actual, tolerances=tolerances, align=align)
+
+
+def sweep(scenario: PathLike, output: Optional[PathLike] = None, *, cases: Optional[int] = None,
+          seed: Optional[int] = None, golden: bool = False, jobs: Optional[int] = None,
+          controllers: Optional[Mapping[str, PathLike]] = None) -> Result:
+    """Runs many variations of a scenario with ``vary:``, as ``rehearse sweep``. output: the folder of the campaign."""
+    return _run("sweep", scenario, output=output, cases=cases, seed=seed, golden=golden, jobs=jobs,
+                controllers=controllers)
+
+
+def audit(trace: PathLike, *, realtime: bool = False, valgrind: bool = False,
+          controllers: Optional[Mapping[str, PathLike]] = None) -> Result:
+    """Finds what a controller depends on beside its inputs, as ``rehearse audit``. trace: a recording, or a scenario."""
+    return _run("audit", trace, realtime=realtime, valgrind=valgrind, controllers=controllers)
+
+
+def history(file: PathLike, *, html: Optional[PathLike] = None) -> Result:
+    """Shows how near to their bounds the checks of a history came, as ``rehearse history``. html: a page to write."""
+    return _run("history", file, html=html)
+
+
+def inspect(model: PathLike, *, strict: bool = False) -> Result:
+    """Loads a robot model and reports its contents and findings, as ``rehearse inspect``."""
+    return _run("inspect", model, strict=strict)
+
+
+def report(trace: PathLike, golden: Optional[PathLike] = None, output: Optional[PathLike] = None) -> Result:
+    """Writes the page of a run, its golden beside it, as ``rehearse report``. output: default TRACE.html here."""
+    return _run("report", trace, *([golden] if golden is not None else []), output=output)

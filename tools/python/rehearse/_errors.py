@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from dataclasses import dataclass
 from typing import Iterable, Tuple
 
@@ -66,3 +68,11 @@ class Error(Exception):
 
 class UnknownName(Error, KeyError):
     """A series, a controller or a camera that the recording doesn't have; ``hint`` has similar names."""
+
+
+class NoSuchFile(Error, FileNotFoundError):
+    """A file that isn't there."""
+
+    @classmethod
+    def named(cls, file: str) -> "NoSuchFile":
+        return cls([Diagnostic("error", file, 0, 0, os.strerror(errno.ENOENT), "")])

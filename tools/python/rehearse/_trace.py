@@ -2,17 +2,49 @@
 
 from __future__ import annotations
 
+import html
+import operator
 import os
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import Any, Callable, Dict, Iterator, List, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _rehearse
-from ._errors import Error, UnknownName
+from ._errors import Error, NoSuchFile, UnknownName
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
 
 _nanosecond = 1e-9  # [s]
+
+
+def _optional(module: str, use: str) -> Any:
+    """A module that only this use needs."""
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        package = module.partition(".")[0]
+        raise Error.saying(f"{use} needs {package}, which isn't installed", f"apt install python3-{package}, or pip install {package}") from None
+
+
+def _curve(values: np.ndarray, width: int = 120, height: int = 18) -> str:
+    """A small plot of finite numbers, as SVG; empty if there are fewer than two."""
+    numbers = np.asarray(values, dtype=np.float64)
+    numbers = numbers[np.isfinite(numbers)]
+    if len(numbers) < 2:
+        return ""
+    shown = numbers[np.linspace(0, len(numbers) - 1, min(len(numbers), width)).astype(int)]
+    least, most = shown.min(), shown.max()
+    heights = (most - shown) / (most - least) * (height - 2) + 1 if most > least else np.full(len(shown), height / 2)
+    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(np.linspace(0, width, len(shown)), heights))
+    return (f'<svg width="{width}" height="{height}" role="img" aria-label="from {least:.3g} to {most:.3g}">'
+            f'<polyline points="{points}" fill="none" stroke="currentColor"/></svg>')
 
 
 class _Lookup(Mapping):
@@ -41,25 +73,32 @@ class Pictures(Sequence):
     """The pictures of a camera, each read from the file when it is asked for.
 
     A colour picture is an array of rows, columns and 3 bytes (RGB). A depth picture is an array of rows and columns,
-    distances along the optical axis [m].
+    distances along the optical axis [m]. A slice, as ``[10:20]``, has a part of the pictures, and reads none yet.
     """
 
-    def __init__(self, trace: _rehearse.Trace, topic: str) -> None:
+    def __init__(self, trace: _rehearse.Trace, topic: str, part: Optional[range] = None) -> None:
         self._trace, self.topic = trace, topic
+        self._part = range(len(trace.channel_stamps(topic))) if part is None else part
 
     @property
     def time(self) -> np.ndarray:
         """Time of each picture [s]."""
-        return self._trace.channel_stamps(self.topic) * _nanosecond
+        return self._trace.channel_stamps(self.topic)[list(self._part)] * _nanosecond
 
     def __len__(self) -> int:
-        return len(self._trace.channel_stamps(self.topic))
+        return len(self._part)
 
-    def __getitem__(self, index: int) -> np.ndarray:  # type: ignore[override]
-        count = len(self)
-        if not -count <= index < count:
-            raise IndexError(f"{self.topic} has {count} pictures, no number {index}")
-        return self._trace.picture(self.topic, index % count)
+    def __getitem__(self, index: Union[int, slice]) -> Any:  # type: ignore[override]
+        if isinstance(index, slice):
+            return Pictures(self._trace, self.topic, self._part[index])
+        try:
+            number = operator.index(index)
+        except TypeError:
+            raise TypeError(f"the pictures of {self.topic} have numbers: expected an int or a slice, not {index!r}; "
+                            "trace.images[CAMERA].time has their times") from None
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"{self.topic} has {len(self)} pictures, no number {number}")
+        return self._trace.picture(self.topic, self._part[number])
 
 
 class Moment(Mapping):
@@ -123,17 +162,39 @@ class Trace(Mapping):
     A pattern that no topic matches raises ``rehearse.Error``.
 
     tolerate: a damaged or incomplete file is read as far as possible, and ``damage`` states the rest; else it raises
-    ``rehearse.Error``.
+    ``rehearse.Error``. A file that isn't there raises ``FileNotFoundError``.
+
+    A name with ``*``, as ``trace["Arm/*/q"]``, stands for any text: a dict of the arrays of all series that match.
+    ``with rehearse.Trace("walk.mcap") as trace:`` closes the file at its end; arrays that were read stay.
     """
 
     def __init__(self, file: Union[str, "os.PathLike[str]"], topics: Union[str, Sequence[str], None] = None,
                  tolerate: bool = False) -> None:
         self._name = os.fspath(file)
+        if not os.path.exists(self._name):
+            raise NoSuchFile.named(self._name)
+        self._open: Optional[_rehearse.Trace]
         if topics is None:
-            self._file = _rehearse.Trace(self._name, tolerate)
+            self._open = _rehearse.Trace(self._name, tolerate)
         else:
-            self._file = self._part([topics] if isinstance(topics, str) else list(topics))
+            self._open = self._part([topics] if isinstance(topics, str) else list(topics))
         self._names: List[str] = self._file.names
+
+    @property
+    def _file(self) -> _rehearse.Trace:
+        if self._open is None:
+            raise Error.saying("the trace is closed", "read it before close(), or in the with statement", self._name)
+        return self._open
+
+    def close(self) -> None:
+        """Closes the file. Arrays that were read stay; everything else raises ``rehearse.Error`` from then on."""
+        self._open = None
+
+    def __enter__(self) -> "Trace":
+        return self
+
+    def __exit__(self, *ending: object) -> None:
+        self.close()
 
     def _part(self, topics: List[str]) -> _rehearse.Trace:
         with tempfile.TemporaryDirectory(prefix="rehearse-") as folder:
@@ -161,9 +222,23 @@ class Trace(Mapping):
         """What could not be read, a sentence each."""
         return self._file.damage
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        """The numbers of a series: float64, or int64, uint64 or bool as the message has them."""
+    def __getitem__(self, name: str) -> Any:
+        """The numbers of a series: float64, or int64, uint64 or bool as the message has them. Of a name with ``*`` a dict."""
+        if isinstance(name, str) and "*" in name:
+            return {one: self._file.values(one) for one in self._matching(name)}
         return self._file.values(name)
+
+    def _matching(self, *patterns: str) -> List[str]:
+        """The series of these names, of which * stands for any text, in the order of the recording."""
+        wanted = []
+        for pattern in patterns:
+            form = re.compile(".*".join(re.escape(part) for part in pattern.split("*")), re.DOTALL)
+            found = [name for name in self._names if form.fullmatch(name)]
+            if not found:
+                known = ", ".join(self._names[:8]) or "none"
+                raise UnknownName.saying(f"no series matches '{pattern}'", f"there is: {known}", self._name)
+            wanted += found
+        return [name for name in self._names if name in set(wanted)]
 
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and self._file.has(name)
@@ -238,5 +313,62 @@ class Trace(Mapping):
         """The type of the messages of each topic."""
         return dict(self._file.topics)
 
+    def to_pandas(self, *patterns: str) -> "pandas.DataFrame":
+        """A table of series, by default of all: a row for each tick, the time [s] as its index.
+
+        A series that isn't of every tick has its last value at or before each; before its first one NaN. A log without
+        ticks has a row for each time of these series. ``attrs["units"]`` has the units.
+        """
+        pandas = _optional("pandas", "to_pandas()")
+        names = self._matching(*(patterns or ("*",)))
+        rows, columns = self._aligned(names)
+        table = pandas.DataFrame(columns, index=pandas.Index(rows, name="time"))
+        table.attrs["units"] = {name: self._file.unit(name) for name in names}
+        return table
+
+    def _aligned(self, names: List[str]) -> Tuple[np.ndarray, Dict[str, np.ndarray]]:
+        """The times of rows [s], and a column of each series, as to_pandas() has them."""
+        if self._file.has("tick"):
+            rows = self._file.stamps("tick")
+        else:
+            rows = np.unique(np.concatenate([self._file.stamps(name) for name in names]))
+        columns = {}
+        for name in names:
+            values, places = self._file.values(name), np.searchsorted(self._file.stamps(name), rows, side="right") - 1
+            if len(values) == 0 or places.min(initial=0) < 0:
+                column = np.full(len(rows), np.nan)
+                column[places >= 0] = values[places[places >= 0]]
+            else:
+                column = values[places]
+            columns[name] = column
+        return rows * _nanosecond, columns
+
+    def plot(self, *patterns: str, golden: Union["Trace", str, "os.PathLike[str]", None] = None, axes: Optional["Axes"] = None) -> "Axes":
+        """Draws series over time with matplotlib, those of a golden dashed beside them. Returns the axes."""
+        axes = _optional("matplotlib.pyplot", "plot()").subplots()[1] if axes is None else axes
+        other = Trace(golden) if golden is not None and not isinstance(golden, Trace) else golden
+        names = self._matching(*patterns)
+        for name in names:
+            line, = axes.plot(self.times(name), self._file.values(name), label=name)
+            if other is not None and name in other:
+                axes.plot(other.times(name), other[name], "--", color=line.get_color(), label=f"{name}, golden")
+        units = {self._file.unit(name) for name in names}
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel(f"[{units.pop()}]" if len(units) == 1 and "" not in units else "")
+        axes.legend()
+        return axes
+
     def __repr__(self) -> str:
+        if self._open is None:
+            return f"<Trace {self.file}: closed>"
         return f"<Trace {self.file}: {len(self)} series, {self.duration:g} s>"
+
+    def _repr_html_(self) -> str:
+        if self._open is None:
+            return html.escape(repr(self))
+        shown = [name for name in self._names if self._file.unit(name)][:12] or self._names[:12]
+        rows = "".join(f"<tr><td>{html.escape(name)}</td><td>{html.escape(self._file.unit(name))}</td>"
+                       f"<td>{_curve(self._file.values(name))}</td></tr>" for name in shown)
+        more = f"<p>and {len(self) - len(shown)} more series</p>" if len(self) > len(shown) else ""
+        return (f"<p><b>{html.escape(self.file)}</b>: {self.ticks} ticks, {self.duration:g} s</p>"
+                f"<table><tr><th>series</th><th>unit</th><th></th></tr>{rows}</table>{more}")

@@ -96,6 +96,7 @@ Aspect aspect_of(const ObservedCall& call) {
       case Source::random: return {"random numbers", Factor::random};
       case Source::thread:
         if (is_one_of(call.function, programs)) return {"another program", std::nullopt};
+        if (call.argument == in_turns) return {.words = "the order of its threads", .factor = {}, .has_answer = false};
         return {"the order of its threads", Factor::threads};
       case Source::file: return file_aspect_of(call);
       case Source::network: return {"the network", std::nullopt};

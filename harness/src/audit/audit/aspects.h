@@ -11,6 +11,9 @@
 
 namespace rehearse {
 
+/// The argument of a call that starts a thread which takes turns (core/turns/scheduler.h).
+inline constexpr std::string_view in_turns = "in turns";
+
 struct Aspect {
   std::string_view words;        // "the clock", "the number of processors"
   std::optional<Factor> factor;  // the factor that varies it; none: no factor does

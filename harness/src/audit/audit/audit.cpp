@@ -427,12 +427,24 @@ std::string varied_in(const std::vector<FactorResult>& factors) {
   return "other " + english_list(words);
 }
 
+/// ", its 2 threads take turns", if there are any.
+std::string turns_in(const std::vector<ControllerAudit>& controllers) {
+  std::int64_t threads = 0;
+  for (const ControllerAudit& controller : controllers)
+    for (const AuditedCall& call : controller.calls)
+      if (call.function == fmt::format("pthread_create({})", in_turns)) threads += call.count;
+  if (threads == 0) return "";
+  return fmt::format(", {} {}", controllers.size() == 1 ? "its" : "their",
+                     threads == 1 ? "thread takes turns" : fmt::format("{} threads take turns", threads));
+}
+
 void Audit::sum_up() {
   const auto count = [&](const ReplayOutcome& outcome) { report_.replays += static_cast<int>(outcome.passes.size()); };
   count(evidence_.plain);
   count(evidence_.still);
   for (const auto& outcomes : evidence_.outcomes) std::ranges::for_each(outcomes, count);
-  const std::string given = options_.virtualise ? ", with simulated time and seeded random numbers" : "";
+  const std::string given =
+      turns_in(report_.controllers) + (options_.virtualise ? ", with simulated time and seeded random numbers" : "");
   if (report_.failure) {
     report_.deterministic = false;
     report_.verdict = "failed: " + report_.failure->message;

@@ -16,6 +16,20 @@ REHEARSE_C_FUNCTIONS(REHEARSE_SOURCE)
 #undef REHEARSE_SOURCE
 }  // namespace source_of
 
+/// True for functions by which threads wait in turns (turn_functions.cpp). A thread that takes turns gets their
+/// answers, and its calls of them are not logged: nothing outside of the process determines them.
+namespace is_of_turns {
+#define REHEARSE_OF_guarded false
+#define REHEARSE_OF_turns true
+#define REHEARSE_OF_counted false
+#define REHEARSE_OF_derived false
+#define REHEARSE_OF_allocator false
+#define REHEARSE_OF_free false
+#define REHEARSE_IS_OF_TURNS(name, source, guard, cost) inline constexpr bool name = REHEARSE_OF_##guard;
+REHEARSE_C_FUNCTIONS(REHEARSE_IS_OF_TURNS)
+#undef REHEARSE_IS_OF_TURNS
+}  // namespace is_of_turns
+
 /// The function of this name that would be called without the interposer.
 template <class Function>
 class Next {
@@ -50,20 +64,21 @@ class Next {
 
 /// A function that is only logged. The call is its last statement, so it is compiled to a jump: the real function sees
 /// its caller's return address.
-#define REHEARSE_NOTED(result, name, parameters, arguments, text)                    \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                    \
-    if (watching()) note(source_of::name, #name, text, __builtin_return_address(0)); \
-    return next_##name.get() arguments;                                              \
+#define REHEARSE_NOTED(result, name, parameters, arguments, text)      \
+  REHEARSE_INTERPOSED(result, name, parameters) {                      \
+    if (watching() && !(is_of_turns::name && takes_turns()))           \
+      note(source_of::name, #name, text, __builtin_return_address(0)); \
+    return next_##name.get() arguments;                                \
   }
 
 /// A function that is logged, and answered if the caller's substitution has `aspect` (one of its members). The last
 /// arguments are the statements of the answer, which can use `caller` and `substitution`.
-#define REHEARSE_ANSWERED(aspect, result, name, parameters, arguments, text, ...)          \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                          \
-    if (!watching()) return next_##name.get() arguments;                                   \
-    const Caller caller = note(source_of::name, #name, text, __builtin_return_address(0)); \
-    const Substitution& substitution = substitution_for(caller);                           \
-    if (!substitution.aspect) return next_##name.get() arguments;                          \
-    __VA_ARGS__                                                                            \
+#define REHEARSE_ANSWERED(aspect, result, name, parameters, arguments, text, ...)                \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                                \
+    if (!watching() || (is_of_turns::name && takes_turns())) return next_##name.get() arguments; \
+    const Caller caller = note(source_of::name, #name, text, __builtin_return_address(0));       \
+    const Substitution& substitution = substitution_for(caller);                                 \
+    if (!substitution.aspect) return next_##name.get() arguments;                                \
+    __VA_ARGS__                                                                                  \
   }
 // NOLINTEND(bugprone-macro-parentheses)

@@ -167,6 +167,10 @@ REHEARSE_INTERPOSED(long, syscall, (long number, long a, long b, long c, long d,
   return next_syscall.get()(number, a, b, c, d, e, f);
 }
 
+void sleep_really(const timespec& duration) {
+  static_cast<void>(make({SYS_nanosleep, reinterpret_cast<long>(&duration), 0, 0, 0, 0, 0}));
+}
+
 void prepare_for_system_calls() {
   struct sigaction action {};
   action.sa_sigaction = on_system_call;

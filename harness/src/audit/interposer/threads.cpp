@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "next.h"
+#include "system_calls.h"
 #include "watching.h"
 
 namespace rehearse::interposer {
@@ -21,8 +22,7 @@ struct Start {
 };
 
 void wait_a_little() {
-  const Busy busy;
-  nanosleep(&schedule_delay, nullptr);
+  sleep_really(schedule_delay);  // not in simulated time, which a thread that takes turns sees
 }
 
 void* run_own_thread(void* argument) {
@@ -38,7 +38,9 @@ void* run_own_thread(void* argument) {
 REHEARSE_INTERPOSED(int, pthread_create,
                     (pthread_t * thread, const pthread_attr_t* attributes, void* (*routine)(void*), void* argument)) {
   if (!watching()) return next_pthread_create.get()(thread, attributes, routine, argument);
-  const Caller caller = note(source_of::pthread_create, "pthread_create", "", __builtin_return_address(0));
+  const Caller caller =
+      note(source_of::pthread_create, "pthread_create",
+           will_take_turns(reinterpret_cast<const void*>(routine)) ? "in turns" : "", __builtin_return_address(0));
   if (!caller.is_controller) return next_pthread_create.get()(thread, attributes, routine, argument);
   const Threads schedule = substitution_for(caller).threads;
   auto* start = static_cast<Start*>(malloc(sizeof(Start)));

@@ -169,6 +169,16 @@ void copy(char* to, size_t size, const char* text) {
 
 CurrentCall current_call() { return current; }
 
+bool takes_turns() {
+  static const auto ask = reinterpret_cast<bool (*)()>(dlsym(RTLD_DEFAULT, "rehearse_takes_turns"));
+  return ask && ask();
+}
+
+bool will_take_turns(const void* function) {
+  static const auto ask = reinterpret_cast<bool (*)(const void*)>(dlsym(RTLD_DEFAULT, "rehearse_will_take_turns"));
+  return ask && ask(function);
+}
+
 const Substitution& substitution_for(const Caller& caller) {
   static constexpr Substitution nothing;
   if (!caller.is_controller) return nothing;

@@ -28,6 +28,11 @@ extern __thread ThreadState thread_state;  // NOLINT(bugprone-dynamic-static-ini
 
 inline bool watching() { return (thread_state.in_call || thread_state.own_thread) && !thread_state.busy; }
 
+/// True if this thread takes turns (core/turns/scheduler.h).
+bool takes_turns();
+/// True if a thread would take turns that this one starts with the function.
+bool will_take_turns(const void* function);
+
 /// The present call into a controller, or the last one.
 struct CurrentCall {
   uint64_t number = 0;

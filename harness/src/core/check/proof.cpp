@@ -19,6 +19,7 @@
 #include "core/replay/plant_level.h"
 #include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
+#include "core/turns/scheduler.h"
 
 namespace rehearse {
 namespace {
@@ -70,6 +71,36 @@ std::string objection_to_golden(const Trace& golden) {
   if (!run.outcome || !run.outcome->complete || run.outcome->failure) return "the golden isn't complete";
   if (!run.stated(facts::virtualised).empty()) return "the golden's controllers had simulated time";
   return "";
+}
+
+/// Calls `visit` with each controller of the scenario and its name: "BODY/NAME".
+template <class Visit>
+void visit_controllers(const Scenario& scenario, const Visit& visit) {
+  for (const ScenarioBody& body : scenario.bodies)
+    for (const ScenarioController& controller : body.controllers) {
+      visit(body.name + "/" + controller.name, controller);
+      for (const ScenarioController& child : controller.children) visit(body.name + "/" + child.name, child);
+    }
+}
+
+/// The reason why the threads of the controllers allow no proof; empty: they allow it.
+std::string objection_to_threads(const Scenario& scenario) {
+  std::string objection;
+  visit_controllers(scenario, [&](const std::string& name, const ScenarioController& controller) {
+    if (controller.threads.are_free && objection.empty())
+      objection = fmt::format("the threads of {} are free, so its commands may differ in each run", name);
+  });
+  return objection;
+}
+
+/// Facts about threads on which the commands depend, a line each.
+std::string turns_of(const Scenario& scenario) {
+  std::string text = fmt::format("the rules of turns: {}\n", rules_of_turns);
+  visit_controllers(scenario, [&](const std::string& name, const ScenarioController& controller) {
+    for (const auto& [thread, delay] : controller.threads.delays)
+      text += fmt::format("the delay of {} of {}: {} s\n", thread, name, delay);
+  });
+  return text;
 }
 
 /// The reason why the samples of the golden's state aren't enough; empty: they are, or the golden contains the state of
@@ -133,13 +164,14 @@ std::string Proof::objection_to(const Scenario& scenario, const Trace& golden, c
   if (scenario.counts_costs || options.run.counts_costs) return "the costs of control() are counted";
   if (std::string objection = objection_to_samples(scenario, golden); !objection.empty()) return objection;
   if (options.run.watch) return "the controllers are watched";
+  if (std::string objection = objection_to_threads(scenario); !objection.empty()) return objection;
   const auto plant = simulation.describe_plant(scenario);
   if (!plant) return plant.errors()[0].message;
   const auto hash = hash_of_file(golden_file_ = golden.file());
   if (!hash) return hash.errors()[0].message;
   golden_ = *hash;
   certificates_.emplace(*options.certificates, hash_text(golden_));
-  plant_ = text_of(*plant);
+  plant_ = text_of(*plant) + turns_of(scenario);
   return certificates_->has(plant_) ? "" : changes();
 }
 

@@ -4,6 +4,7 @@
 // name; source: the dependence as which an audit reports a call (interposer::Source), or none; guard:
 //   guarded: a call of a controller ends at most the call, or is undone (process_tripwires.cpp),
 //   derived: likewise, by the replacement of a guarded function,
+//   turns:   threads of controllers wait by it in turns, or see simulated time (turn_functions.cpp),
 //   counted: a call is only counted (cost_counter.cpp),
 //   allocator: likewise, and the first call may come before other libraries are looked up,
 //   free:    the function isn't replaced;
@@ -16,28 +17,28 @@
 #define REHEARSE_C_FUNCTIONS(ROW) \
   ROW(alarm, clock, guarded, system) \
   ROW(clock, clock, counted, system) \
-  ROW(clock_gettime, clock, free, none) \
-  ROW(clock_nanosleep, clock, counted, system) \
+  ROW(clock_gettime, clock, turns, none) \
+  ROW(clock_nanosleep, clock, turns, system) \
   ROW(ftime, clock, free, none) \
   ROW(getrusage, clock, counted, system) \
-  ROW(gettimeofday, clock, free, none) \
-  ROW(nanosleep, clock, counted, system) \
-  ROW(poll, clock, counted, system) \
-  ROW(pthread_cond_clockwait, clock, counted, lock) \
-  ROW(pthread_cond_timedwait, clock, counted, lock) \
-  ROW(pthread_mutex_clocklock, clock, counted, lock) \
-  ROW(pthread_mutex_timedlock, clock, counted, lock) \
-  ROW(select, clock, counted, system) \
-  ROW(sem_clockwait, clock, counted, lock) \
-  ROW(sem_timedwait, clock, counted, lock) \
+  ROW(gettimeofday, clock, turns, none) \
+  ROW(nanosleep, clock, turns, system) \
+  ROW(poll, clock, turns, system) \
+  ROW(pthread_cond_clockwait, clock, turns, lock) \
+  ROW(pthread_cond_timedwait, clock, turns, lock) \
+  ROW(pthread_mutex_clocklock, clock, turns, lock) \
+  ROW(pthread_mutex_timedlock, clock, turns, lock) \
+  ROW(select, clock, turns, system) \
+  ROW(sem_clockwait, clock, turns, lock) \
+  ROW(sem_timedwait, clock, turns, lock) \
   ROW(setitimer, clock, guarded, system) \
-  ROW(sleep, clock, counted, system) \
-  ROW(time, clock, free, none) \
+  ROW(sleep, clock, turns, system) \
+  ROW(time, clock, turns, none) \
   ROW(timer_create, clock, counted, system) \
-  ROW(timerfd_create, clock, counted, system) \
+  ROW(timerfd_create, clock, turns, system) \
   ROW(times, clock, counted, system) \
-  ROW(timespec_get, clock, free, none) \
-  ROW(usleep, clock, counted, system) \
+  ROW(timespec_get, clock, turns, none) \
+  ROW(usleep, clock, turns, system) \
   ROW(arc4random, random, counted, system) \
   ROW(arc4random_buf, random, counted, system) \
   ROW(arc4random_uniform, random, counted, system) \
@@ -240,14 +241,52 @@
   ROW(valloc, none, counted, allocate_0) \
   ROW(__cxa_throw, none, counted, exception) \
   ROW(__cxa_rethrow, none, counted, exception) \
-  ROW(pthread_join, none, counted, lock) \
-  ROW(pthread_mutex_lock, none, counted, lock) \
-  ROW(pthread_rwlock_rdlock, none, counted, lock) \
-  ROW(pthread_rwlock_wrlock, none, counted, lock) \
-  ROW(pthread_spin_lock, none, counted, lock) \
-  ROW(sem_wait, none, counted, lock) \
-  ROW(accept, none, counted, system) \
-  ROW(epoll_wait, none, counted, system) \
+  ROW(pthread_join, none, turns, lock) \
+  ROW(pthread_mutex_lock, none, turns, lock) \
+  ROW(pthread_rwlock_rdlock, none, turns, lock) \
+  ROW(pthread_rwlock_wrlock, none, turns, lock) \
+  ROW(pthread_spin_lock, none, turns, lock) \
+  ROW(sem_wait, none, turns, lock) \
+  ROW(call_once, none, turns, none) \
+  ROW(cnd_broadcast, none, turns, none) \
+  ROW(cnd_signal, none, turns, none) \
+  ROW(cnd_timedwait, none, turns, none) \
+  ROW(cnd_wait, none, turns, none) \
+  ROW(eventfd_read, none, turns, none) \
+  ROW(eventfd_write, none, turns, none) \
+  ROW(mtx_lock, none, turns, none) \
+  ROW(mtx_timedlock, none, turns, none) \
+  ROW(mtx_unlock, none, turns, none) \
+  ROW(prctl, none, turns, none) \
+  ROW(pthread_barrier_init, none, turns, none) \
+  ROW(pthread_barrier_wait, none, turns, none) \
+  ROW(pthread_cancel, none, turns, none) \
+  ROW(pthread_clockjoin_np, none, turns, none) \
+  ROW(pthread_cond_broadcast, none, turns, none) \
+  ROW(pthread_cond_signal, none, turns, none) \
+  ROW(pthread_cond_wait, none, turns, none) \
+  ROW(pthread_detach, none, turns, none) \
+  ROW(pthread_mutex_unlock, none, turns, none) \
+  ROW(pthread_once, none, turns, none) \
+  ROW(pthread_rwlock_clockrdlock, none, turns, none) \
+  ROW(pthread_rwlock_clockwrlock, none, turns, none) \
+  ROW(pthread_rwlock_timedrdlock, none, turns, none) \
+  ROW(pthread_rwlock_timedwrlock, none, turns, none) \
+  ROW(pthread_rwlock_unlock, none, turns, none) \
+  ROW(pthread_setname_np, none, turns, none) \
+  ROW(pthread_spin_unlock, none, turns, none) \
+  ROW(pthread_timedjoin_np, none, turns, none) \
+  ROW(pthread_tryjoin_np, none, turns, none) \
+  ROW(sem_post, none, turns, none) \
+  ROW(thrd_create, none, turns, none) \
+  ROW(thrd_detach, none, turns, none) \
+  ROW(thrd_join, none, turns, none) \
+  ROW(thrd_sleep, none, turns, none) \
+  ROW(thrd_yield, none, turns, none) \
+  ROW(timerfd_gettime, none, turns, none) \
+  ROW(timerfd_settime, none, turns, none) \
+  ROW(accept, none, turns, system) \
+  ROW(epoll_wait, none, turns, system) \
   ROW(fdatasync, none, counted, system) \
   ROW(fflush, none, counted, system) \
   ROW(fgetc, none, counted, system) \
@@ -270,23 +309,23 @@
   ROW(munmap, none, counted, system) \
   ROW(pause, none, counted, system) \
   ROW(perror, none, counted, system) \
-  ROW(ppoll, none, counted, system) \
+  ROW(ppoll, none, turns, system) \
   ROW(pread, none, counted, system) \
   ROW(pread64, none, counted, system) \
   ROW(printf, none, counted, system) \
   ROW(__printf_chk, none, counted, system) \
-  ROW(pselect, none, counted, system) \
+  ROW(pselect, none, turns, system) \
   ROW(putc, none, counted, system) \
   ROW(putchar, none, counted, system) \
   ROW(puts, none, counted, system) \
   ROW(pwrite, none, counted, system) \
   ROW(pwrite64, none, counted, system) \
-  ROW(read, none, counted, system) \
+  ROW(read, none, turns, system) \
   ROW(readv, none, counted, system) \
-  ROW(recv, none, counted, system) \
-  ROW(recvfrom, none, counted, system) \
-  ROW(recvmsg, none, counted, system) \
-  ROW(sched_yield, none, counted, system) \
+  ROW(recv, none, turns, system) \
+  ROW(recvfrom, none, turns, system) \
+  ROW(recvmsg, none, turns, system) \
+  ROW(sched_yield, none, turns, system) \
   ROW(send, none, counted, system) \
   ROW(sendmsg, none, counted, system) \
   ROW(sendto, none, counted, system) \
@@ -295,6 +334,6 @@
   ROW(__vfprintf_chk, none, counted, system) \
   ROW(vprintf, none, counted, system) \
   ROW(__vprintf_chk, none, counted, system) \
-  ROW(write, none, counted, system) \
+  ROW(write, none, turns, system) \
   ROW(writev, none, counted, system)
 // clang-format on

@@ -227,6 +227,7 @@ rehearse_count_and_jump:
 #endif
 
 #define REHEARSE_ROW_guarded(function, count) REHEARSE_COUNTED(function, nullptr, count)
+#define REHEARSE_ROW_turns(function, count) REHEARSE_COUNTED(function, nullptr, count)
 #define REHEARSE_ROW_derived(function, count)
 #define REHEARSE_ROW_free(function, count)
 #define REHEARSE_ROW_counted(function, count) REHEARSE_REPLACED(function, nullptr, count)
@@ -240,6 +241,7 @@ namespace {
 /// As for NextFunctions: a look-up takes the lock of the dynamic linker.
 [[maybe_unused]] const bool looked_up_at_loading = [] {
 #define REHEARSE_LOOK_UP_guarded(function)
+#define REHEARSE_LOOK_UP_turns(function)
 #define REHEARSE_LOOK_UP_derived(function)
 #define REHEARSE_LOOK_UP_free(function)
 #define REHEARSE_LOOK_UP_allocator(function)

@@ -1,5 +1,6 @@
 #include "guarded_call.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gnu/lib-names.h>
@@ -25,15 +26,19 @@
 #include <optional>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "c_library.h"
+#include "core/turns/raw_call.h"
 #include "exception_text.h"
 #include "guest_frame.h"
 #include "interruption.h"
 #include "process_end.h"
 #include "process_guard.h"
+#include "source_line.h"
 #include "supervise.h"
 #include "supervisor.h"
+#include "turn_calls.h"
 
 namespace rehearse {
 namespace {
@@ -46,6 +51,7 @@ constexpr int exit_instead = -1;      // value at the return point for an exit, 
 constexpr int stack_overflow = -2;    // the same for SIGSEGV or SIGBUS below the end of a stack
 constexpr int damaged_heap = -3;      // the same for an abort by the C library itself
 constexpr int abort_by_deed = -4;     // the same for an abort whose cause is known
+constexpr int deadlock = -5;          // the same if all threads that take turns wait for each other
 constexpr std::size_t signal_stack_size = 64 * 1024;
 constexpr std::size_t stack_gap = 16 * 1024;
 
@@ -72,8 +78,12 @@ struct ThreadFailure {
   std::atomic<int> state{0};  // 0: none; 1: it is being written; 2: it can be read
   const void* library = nullptr;
   const void* place = nullptr;  // null: it isn't known
+  bool has_hung = false;        // its turn exceeded the limit of the call
   char deed[512] = {};
 } thread_failure;
+
+/// What the threads of the last deadlock wait for.
+std::vector<TurnScheduler::Stuck>& stuck_threads = *new std::vector<TurnScheduler::Stuck>;
 
 volatile sig_atomic_t dies_in_library = 0;  // see end_process_at_library_crashes()
 
@@ -177,22 +187,49 @@ bool is_fault(int signal_number) {
   return signal_number == SIGSEGV || signal_number == SIGBUS || signal_number == SIGFPE || signal_number == SIGILL;
 }
 
+/// The deed of a thread that takes turns and kept its turn until the limit of the call.
+constexpr const char* hung_turn =
+    "neither waited nor ended within the limit of the call, so no other thread had a turn (threads: free lets it run "
+    "beside the others)";
+
+/// True if the call is late because another thread has the turn.
+bool hangs_in_other_thread(int signal_number) {
+  return signal_number == hang_signal && in_guarded_call() && thread_failure.state == 0 &&
+         TurnScheduler::instance().other_at_turn() != nullptr;
+}
+
+/// True if this thread of a controller has the turn, and the call is late.
+bool hangs_at_turn(int signal_number) {
+  return signal_number == hang_signal && own_threads && this_turn && !is_forked_by_guest() &&
+         TurnScheduler::instance().other_at_turn() == this_turn;
+}
+
+/// Gives the signal to the thread that has the turn.
+void pass_hang_on() {
+  if (const TurnThread* const other = TurnScheduler::instance().other_at_turn(); other && other->tid != 0)
+    raw_call(SYS_tgkill, raw_call(SYS_getpid), other->tid, hang_signal);
+}
+
 extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* interrupted) {
   end_walk_of_frames();
   const bool overflowed = (signal_number == SIGSEGV || signal_number == SIGBUS) &&
                           is_stack_overflow(*fault, *static_cast<const ucontext_t*>(interrupted));
+  if (hangs_in_other_thread(signal_number)) return pass_hang_on();
   const bool in_library = is_in_library(*static_cast<const ucontext_t*>(interrupted));
   const int reason = overflowed                               ? stack_overflow
                      : in_library && signal_number == SIGABRT ? damaged_heap
                                                               : signal_number;
   end_if_ending(signal_number == hang_signal ? nullptr : describe_signal(reason));
-  const void* place = is_fault(signal_number) ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
+  const bool hangs_here = hangs_at_turn(signal_number);
+  const void* place =
+      is_fault(signal_number) || hangs_here ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
   if (place && !overflowed && in_controllers_code()) place = guest_frame_of(place);
   if (in_library && !is_forked_by_guest()) {
     // The process can't go on: its next call of the function may wait for ever. Its parent reports the failure.
     if (in_guarded_call() && thread_failure.state == 2)
       fail_process_by_thread(thread_failure.deed, thread_failure.place);
     if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason), place);
+    if (own_threads && hangs_here) fail_process_by_thread(hung_turn, place);
     if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason), place);
     if (in_guarded_call() && dies_in_library && signal_number != hang_signal) leave_process(128 + signal_number);
   }
@@ -200,6 +237,10 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
     crash_place = place;
     guarding = 0;
     siglongjmp(return_point, reason);
+  }
+  if (hangs_here) {
+    thread_failure.has_hung = true;
+    fail_on_own_thread(hung_turn, place);
   }
   if (signal_number == hang_signal) return;  // it came too late: the call has returned
   if (own_threads && !is_forked_by_guest()) fail_on_own_thread(describe_signal(reason), place);
@@ -336,6 +377,13 @@ void restore_limits_in_call() {
   guarding = 1;
 }
 
+/// The name of a function that a library of a controller exports; else empty.
+std::string name_of_guests_function(const void* function) {
+  Dl_info found{};
+  if (!is_code_of_guest(function) || dladdr(function, &found) == 0 || !found.dli_sname) return "";
+  return found.dli_saddr == function ? found.dli_sname : "";
+}
+
 /// Runs the code and catches its exceptions.
 void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
   try {
@@ -352,6 +400,7 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
 void prepare_guarded_calls() {
   install_handlers();
   provide_signal_stack();
+  prepare_turns();
 }
 
 void watch_calls_after_fork() { Watchdog::forget(); }
@@ -375,7 +424,8 @@ void guard_rest_of_process(double limit) {
 /// Reads the failure of a controller's thread since the last call.
 void take_thread_failure(CallOutcome& outcome) {
   if (thread_failure.state.load(std::memory_order_acquire) != 2) return;
-  outcome.end = CallEnd::crashed;
+  outcome.end = thread_failure.has_hung ? CallEnd::hung : CallEnd::crashed;
+  thread_failure.has_hung = false;
   outcome.what = fmt::format("started a thread that {}", thread_failure.deed);
   outcome.by_thread_of = thread_failure.library;
   outcome.place = thread_failure.place;
@@ -395,20 +445,24 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   const int signal_number = sigsetjmp(return_point, 0);
   if (signal_number == 0) {
     guarding = 1;
+    TurnScheduler::instance().begin_call(ProcessGuard::instance().threads_of_call());
     run_below_gap(code, outcome);
     guarding = 0;
   } else {
     ProcessGuard::instance().restore_limits();
     outcome.end = signal_number == exit_instead  ? CallEnd::exited
                   : signal_number == hang_signal ? CallEnd::hung
+                  : signal_number == deadlock    ? CallEnd::hung
                                                  : CallEnd::crashed;
   }
+  TurnScheduler::instance().end_call(outcome.end != CallEnd::returned && outcome.end != CallEnd::threw);
+  if (signal_number == deadlock) outcome.what = describe_deadlock();
   if (*unforked == 0) leave_process(EXIT_FAILURE);  // a child that the code forked: the run belongs to its parent
   Watchdog::instance().end();
   outcome.float_mode = float_mode();
   outcome.changed_float_mode = !(outcome.float_mode == standard);
   if (!(outcome.float_mode == mode_before)) set_float_mode(mode_before);
-  if (outcome.end == CallEnd::hung)
+  if (outcome.end == CallEnd::hung && signal_number != deadlock)
     outcome.what = lateness(limit, interruption());
   else if (outcome.end == CallEnd::exited || signal_number == abort_by_deed)
     outcome.what = last_deed;
@@ -484,6 +538,27 @@ void abort_controllers_code(const char* deed) {
   last_deed = what;
   guarding = 0;
   siglongjmp(return_point, abort_by_deed);
+}
+
+void prepare_turns() {
+  TurnScheduler& turns = TurnScheduler::instance();
+  turns.find_place = [] { return guest_frame_of(nullptr); };
+  turns.name_of_function = name_of_guests_function;
+  turns.on_deadlock = [] {
+    if (!in_guarded_call()) return end_if_ending("waits for threads that wait for each other");
+    stuck_threads = TurnScheduler::instance().stuck();
+    guarding = 0;
+    siglongjmp(return_point, deadlock);
+  };
+}
+
+std::string describe_deadlock() {
+  std::string text = "never goes on, because its threads wait for each other";
+  for (const TurnScheduler::Stuck& stuck : stuck_threads) {
+    const auto line = source_line_of(stuck.place);
+    text += fmt::format("; {}{} waits for {}", line ? line->text() : "", stuck.thread, stuck.waits_for);
+  }
+  return text;
 }
 
 void leave_guarded_call(const char* deed) {

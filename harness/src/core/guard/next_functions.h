@@ -1,16 +1,28 @@
-// The functions of the C library that process_tripwires.cpp replaces, as they would be called without it. To be
+// The functions of the C library that process_tripwires.cpp and turn_functions.cpp replace, as they would be
+// called without them. To be
 // included without _FORTIFY_SOURCE, which declares inline functions with the names of those that open files.
 #pragma once
 
 #include <fcntl.h>
 #include <locale.h>
+#include <poll.h>
 #include <pthread.h>
+#include <sched.h>
+#include <semaphore.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/select.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
+#include <sys/timerfd.h>
+#include <threads.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "c_functions.h"
@@ -24,6 +36,7 @@ namespace rehearse {
 /// clang gives functions that return and functions that don't the same type name.
 struct NextFunctions {
 #define REHEARSE_NEXT_guarded(function) decltype(&(::function)) function##_;
+#define REHEARSE_NEXT_turns(function) REHEARSE_NEXT_guarded(function)
 #define REHEARSE_NEXT_derived(function)
 #define REHEARSE_NEXT_counted(function)
 #define REHEARSE_NEXT_allocator(function)
@@ -42,6 +55,7 @@ void* next_function(const char* name);
 
 #define REHEARSE_DECLARE_guarded(function) \
   extern "C" __attribute__((visibility("hidden"))) rehearse::CountedFunction rehearse_counted_##function;
+#define REHEARSE_DECLARE_turns(function) REHEARSE_DECLARE_guarded(function)
 #define REHEARSE_DECLARE_derived(function)
 #define REHEARSE_DECLARE_counted(function)
 #define REHEARSE_DECLARE_allocator(function)

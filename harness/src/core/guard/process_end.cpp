@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "c_library.h"
+#include "core/turns/scheduler.h"
 #include "guarded_call.h"
 #include "interruption.h"
 #include "supervisor.h"
@@ -86,6 +87,7 @@ extern "C" void guard_rest(int status, void*) {
   if (!known.in_fork) announce_end(status);
   note_call_begin(names.c_str(), destroying, 0, 0.0, limit);
   guard_rest_of_process(limit);
+  TurnScheduler::instance().begin_end_of_process();
   ending = getpid();
   std::fflush(nullptr);  // code that was interrupted may hold the lock of a stream
 }

@@ -16,10 +16,9 @@
 #include <utility>
 #include <vector>
 
-namespace rehearse {
+#include "core/turns/scheduler.h"
 
-/// The number of running threads that a library started.
-using ThreadCount = std::shared_ptr<std::atomic<int>>;
+namespace rehearse {
 
 /// A change that guarded code made to the process.
 struct Trespass {
@@ -75,6 +74,8 @@ class ProcessGuard {
   bool keeps_signal(int signal_number);
   /// The count of the library whose code runs in this thread; null: no controller's code.
   ThreadCount threads_here() const;
+  /// The count of the library that is called; null: none is.
+  const ThreadCount& threads_of_call() const { return threads_; }
   /// A controller's own thread tried to end the process; the thread is suspended instead. `deed`: "called exit(0)".
   void note_thread_exit(const char* deed);
   /// Guarded code, or a controller's own thread, has created a child process.

@@ -6,8 +6,11 @@
 // run are not changed (process_guard.h). A function that opens a file to read notes its name first (opened_files.h).
 #undef _FORTIFY_SOURCE  // it declares inline functions with the names of those that open files
 #include <cxxabi.h>
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <link.h>
 #include <locale.h>
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
@@ -28,6 +31,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,6 +42,7 @@
 #include "opened_files.h"
 #include "process_end.h"
 #include "process_guard.h"
+#include "turn_calls.h"
 
 namespace {
 
@@ -91,7 +96,9 @@ void end_only_the_call(const char* function, std::optional<int> status) {
   rehearse::end_if_ending(deed);
   if (rehearse::in_guarded_call()) rehearse::leave_guarded_call(deed);
   ProcessGuard::instance().note_thread_exit(deed);
-  for (;;) pause();  // the thread can't be left as a call can, and the code after exit() must not run
+  // The thread can't be left as a call can, and the code after exit() must not run.
+  if (rehearse::takes_turns()) rehearse::TurnScheduler::instance().stop_for_good("nothing: it was stopped for good");
+  for (;;) pause();
 }
 
 void note(const char* path, int flags) {
@@ -113,6 +120,7 @@ mode_t mode_in(int flags, va_list arguments) {
 pid_t note_fork(pid_t parent, pid_t child) {
   const HostCode own;
   if (child > 0 && rehearse::in_controllers_code()) ProcessGuard::instance().note_fork();
+  if (child == 0) rehearse::this_turn = nullptr;  // the other threads aren't in the child
   if (child == 0 && rehearse::is_forked_by_guest()) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) rehearse::leave_process(EXIT_FAILURE);  // the parent ended before the line above
@@ -144,19 +152,48 @@ sigset_t without_ours(const sigset_t& set) {
 struct StartingThread {
   void* (*routine)(void*);
   void* argument;
-  ThreadCount count;
+  ThreadCount guest;
+  rehearse::TurnThread* turn = nullptr;  // null: it takes no turns
+};
+
+/// Ends the turns of a thread after its own destructors and those of its keys: as the destructor of a key that is set
+/// again in each round but the last.
+class EndOfTurns {
+ public:
+  static void at_end_of(rehearse::TurnThread& turn) {
+    static const EndOfTurns key;
+    pthread_setspecific(key.key_, &turn);
+  }
+
+ private:
+  EndOfTurns() { pthread_key_create(&key_, end); }
+  static void end(void* given) {
+    static thread_local int rounds = 0;
+    if (++rounds < PTHREAD_DESTRUCTOR_ITERATIONS) return at_end_of(*static_cast<rehearse::TurnThread*>(given));
+    const ThreadCount guest = rehearse::this_turn->guest;
+    rehearse::own_threads = nullptr;
+    --guest->running;
+    rehearse::TurnScheduler::instance().end_thread();
+  }
+  pthread_key_t key_{};
 };
 
 void* run_counted(void* given) {
   const std::unique_ptr<StartingThread> start(static_cast<StartingThread*>(given));
   struct Counted {
-    ThreadCount count;
-    explicit Counted(ThreadCount of) : count(std::move(of)) { rehearse::own_threads = &count; }
-    ~Counted() {
-      rehearse::own_threads = nullptr;
-      --*count;
+    StartingThread& start;
+    explicit Counted(StartingThread& of) : start(of) {
+      rehearse::own_threads = start.turn ? &start.turn->guest : &start.guest;
+      if (!start.turn) return;
+      rehearse::TurnScheduler::instance().begin_thread(*start.turn);
+      EndOfTurns::at_end_of(*start.turn);
     }
-  } counted(start->count);
+    ~Counted() {
+      if (start.turn) return;  // it ends later
+      rehearse::own_threads = nullptr;
+      --start.guest->running;
+    }
+  } counted(*start);
   const rehearse::SignalStack signal_stack;
   char deed[512];
   try {
@@ -174,7 +211,57 @@ void* run_counted(void* given) {
   rehearse::fail_on_own_thread(deed);
 }
 
+/// Libraries whose threads wait past the C library, so that they can't take turns.
+const char* library_without_turns(const void* function) {
+  dl_find_object object;
+  if (_dl_find_object(const_cast<void*>(function), &object) != 0) return nullptr;
+  const std::string_view file = object.dlfo_link_map->l_name;
+  for (const char* name : {"libgomp.so", "libomp.so", "libiomp5.so"})
+    if (file.substr(file.rfind('/') + 1).starts_with(name)) return name;
+  return nullptr;
+}
+
+/// True if a thread that begins with the function takes turns.
+bool will_take_turns(const ThreadCount& guest, const void* function) {
+  if (guest->are_free || (!rehearse::takes_turns() && !rehearse::in_guarded_call())) return false;
+  if (const char* library = library_without_turns(function)) {
+    if (!guest->free_because) guest->free_because = library;
+    return false;
+  }
+  return true;
+}
+
+bool is_detached(const pthread_attr_t* attributes) {
+  int state = PTHREAD_CREATE_JOINABLE;
+  return attributes && pthread_attr_getdetachstate(attributes, &state) == 0 && state == PTHREAD_CREATE_DETACHED;
+}
+
 }  // namespace
+
+int rehearse::start_thread(pthread_t* thread, const pthread_attr_t* attributes, void* (*routine)(void*), void* argument,
+                           const void* function) {
+  const ThreadCount guest = ProcessGuard::instance().threads_here();
+  if (!guest) return REHEARSE_NEXT(pthread_create)(thread, attributes, routine, argument);
+  rehearse::count_guarded(rehearse_counted_pthread_create);
+  const HostCode own;
+  auto& turns = rehearse::TurnScheduler::instance();
+  auto start = std::make_unique<StartingThread>(StartingThread{routine, argument, guest});
+  if (will_take_turns(guest, function)) {
+    if (!rehearse::this_turn) turns.join_in(guest);
+    start->turn = turns.add(guest, function);
+  }
+  ++guest->running;
+  rehearse::TurnThread* const turn = start->turn;
+  const int failed = rehearse::next_functions().pthread_create_(thread, attributes, run_counted, start.get());
+  if (failed != 0) {
+    --guest->running;
+    if (turn) turns.forget(*turn);
+    return failed;
+  }
+  static_cast<void>(start.release());  // the thread owns it now
+  if (turn) turns.started(*turn, *thread, is_detached(attributes));
+  return 0;
+}
 
 extern "C" {
 
@@ -256,6 +343,8 @@ __attribute__((no_sanitize("address"))) long syscall(long number, ...) noexcept 
 #ifdef SYS_fork
   if (number == SYS_fork || number == SYS_vfork) return fork();
 #endif
+  long answered = 0;
+  if (rehearse::takes_turns() && rehearse::answer_turn_call(number, given, answered)) return answered;
   const bool forks = number == SYS_clone && (given[0] & CLONE_VM) == 0;
   const pid_t parent = forks ? getpid() : 0;
   const long result = REHEARSE_NEXT(syscall)(number, given[0], given[1], given[2], given[3], given[4], given[5]);
@@ -362,6 +451,7 @@ REHEARSE_FOPEN(fopen64)
 
 int close(int descriptor) {
   if (keeps(descriptor)) return errno = EBADF, -1;
+  rehearse::note_turn_close(descriptor);
   return REHEARSE_NEXT(close)(descriptor);
 }
 
@@ -398,20 +488,15 @@ void closefrom(int first) noexcept {
   close_range(static_cast<unsigned int>(std::max(first, 0)), ~0U, 0);
 }
 
+/// For the interposer: true if a thread that begins with the function would take turns.
+__attribute__((visibility("default"))) bool rehearse_will_take_turns(const void* function) {
+  const ThreadCount guest = ProcessGuard::instance().threads_here();
+  return guest && will_take_turns(guest, function);
+}
+
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*routine)(void*),
                    void* argument) noexcept {
-  const ThreadCount count = ProcessGuard::instance().threads_here();
-  if (!count) return REHEARSE_NEXT(pthread_create)(thread, attributes, routine, argument);
-  rehearse::count_guarded(rehearse_counted_pthread_create);
-  const HostCode own;
-  auto start = std::make_unique<StartingThread>(StartingThread{routine, argument, count});
-  ++*count;
-  const int failed = REHEARSE_NEXT(pthread_create)(thread, attributes, run_counted, start.get());
-  if (failed != 0)
-    --*count;
-  else
-    static_cast<void>(start.release());  // the thread owns it now
-  return failed;
+  return rehearse::start_thread(thread, attributes, routine, argument, reinterpret_cast<const void*>(routine));
 }
 
 }  // extern "C"

@@ -1,6 +1,7 @@
 #include "controller_host.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "core/guard/source_line.h"
 #include "core/guard/streams.h"
 #include "core/guard/supervisor.h"
+#include "core/turns/scheduler.h"
 #include "debug_hook.h"
 
 namespace rehearse {
@@ -106,14 +108,15 @@ const std::string& ControllerHost::label_of_failed(const HostedController& calle
   return called.label;
 }
 
-bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code,
-                          HowOften how_often) {
+bool ControllerHost::call_alone(HostedController& hosted, const char* function, const std::function<void()>& code,
+                                HowOften how_often) {
   const PluggedIn plugged_in(hosted.joystick.get());
   const double now = time_of(tick_, scenario_->time_step);
   const DebuggedCall debugged({run_, tick_, now, hosted.label.c_str(), function, hosted.controller.get(),
                                hosted.io.get(), hosted.io_body ? &hosted.io_body->body() : nullptr});
   note_call_begin(hosted.label.c_str(), function, tick_, now, options_.call_limit);
   ProcessGuard::instance().begin(hosted.library->threads(), how_often == HowOften::once);
+  TurnScheduler::instance().set_time(static_cast<std::int64_t>(nanoseconds_of(tick_, scenario_->time_step)));
   const CallOutcome outcome = [&] {
     const Watched watched(options_.watch, {hosted.label, hosted.library->file(), function, tick_, now});
     // a variable that is set after the last tick can't be recorded
@@ -127,8 +130,31 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
     CountedCall::stop();
     return ended;
   }();
+  return ends_well(hosted, function, outcome);
+}
+
+bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code,
+                          HowOften how_often) {
+  return call_alone(hosted, function, code, how_often) && let_threads_run(hosted, function);
+}
+
+/// After a call: the threads of the controller run in turns until all wait. `until`: and until this simulated time
+/// [ns].
+bool ControllerHost::let_threads_run(HostedController& hosted, const char* function, std::int64_t until) {
+  TurnScheduler& turns = TurnScheduler::instance();
+  if (turns.count_of(*hosted.library->threads()) == 0) return true;
+  const double now = time_of(tick_, scenario_->time_step);
+  note_call_begin(hosted.label.c_str(), function, tick_, now, options_.call_limit);
+  ProcessGuard::instance().begin(hosted.library->threads(), false);
+  const CallOutcome outcome = guarded_call([&] { turns.let_others_run(until); }, options_.call_limit);
+  return ends_well(hosted, function, outcome);
+}
+
+/// True if the call returned. Else its failure is told.
+bool ControllerHost::ends_well(HostedController& hosted, const char* function, const CallOutcome& outcome) {
   take_opened_files(hosted);
   tell_trespasses(hosted, function, outcome);
+  tell_threads(hosted);
   collect_messages(hosted, outcome.end);
   note_call_end();
   if (outcome.end == CallEnd::returned) return true;
@@ -245,9 +271,10 @@ bool ControllerHost::control() {
     };
     const std::uint64_t faults = counts_costs_ ? page_faults_of_thread() : 0;
     hosted.clock.begin();
-    alive = alive && call(hosted, "control", control, HowOften::in_ticks);
+    alive = alive && call_alone(hosted, "control", control, HowOften::in_ticks);
     hosted.clock.end(tick_);
     if (counts_costs_) hosted.costs.add(tick_, hosted.tick.cost, page_faults_of_thread() - faults);
+    alive = alive && let_threads_run(hosted, "control");
     hosted.tick.has_output = alive;
     if (!alive) break;
   }
@@ -389,21 +416,53 @@ void ControllerHost::stop(std::int64_t end) {
 
 /// The code of a thread that still runs must not be unloaded.
 void ControllerHost::keep_libraries_of_threads() {
+  constexpr std::int64_t moment = 50'000'000;  // [ns]: a thread that ends at a request may take it
+  TurnScheduler& turns = TurnScheduler::instance();
   for (HostedController& hosted : controllers_) {
     if (!hosted.library) continue;  // it couldn't be loaded
-    const std::atomic<int>& running = *hosted.library->threads();
-    for (int i = 0; i < 50 && running > 0; ++i) usleep(1000);  // a thread that ends at a request may take a moment
+    const ThreadCount& threads = hosted.library->threads();
+    let_threads_run(hosted, "stop", turns.now() + moment);
+    tell_unknown_delays(hosted);
+    const std::atomic<int>& running = threads->running;
+    for (int i = 0; i < 50 && running > turns.count_of(*threads); ++i) usleep(1000);
     if (running == 0) continue;
     hosted.library->keep_loaded();
     take_late_failure(hosted);
     // A failed thread is suspended, and was reported.
-    const int left = running - (thread_failed_of_ == &running ? 1 : 0);
+    const int left = running - (thread_failed_of_ == threads.get() ? 1 : 0);
     if (left > 0)
       event(Severity::warning, hosted.label,
             fmt::format("leaves {} running after stop(): {} stays loaded",
                         left == 1 ? "a thread" : fmt::format("{} threads", left),
                         hosted.library->file().filename().string()));
   }
+}
+
+/// Reports waits for something outside of the process, and threads that take no turns, once each.
+void ControllerHost::tell_threads(HostedController& hosted) {
+  GuestThreads& threads = *hosted.library->threads();
+  for (; hosted.reported.outside < threads.outside.size(); ++hosted.reported.outside) {
+    const auto& [words, place] = threads.outside[hosted.reported.outside];
+    const auto line = source_line_of(place);
+    event(Severity::warning, hosted.label,
+          fmt::format("{}a thread waits for {}: when it goes on depends on more than the inputs",
+                      line ? line->text() : "", words));
+  }
+  if (threads.free_because && *threads.free_because)
+    event(Severity::warning, hosted.label,
+          fmt::format("its threads of {} take no turns, because they wait past the C library: they run as the kernel "
+                      "lets them (OMP_NUM_THREADS=1 makes it one thread)",
+                      std::exchange(threads.free_because, "")));
+}
+
+/// Reports delays that are stated for a thread that there isn't.
+void ControllerHost::tell_unknown_delays(const HostedController& hosted) {
+  const GuestThreads& threads = *hosted.library->threads();
+  for (const auto& [name, delay] : threads.delays)
+    if (!threads.met.contains(name))
+      event(Severity::warning, hosted.label,
+            fmt::format("has no thread '{}', for which `threads` states a delay{}", name,
+                        threads.met.empty() ? "" : fmt::format("; it has '{}'", fmt::join(threads.met, "', '"))));
 }
 
 /// A thread may fail after the last call.

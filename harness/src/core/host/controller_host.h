@@ -81,6 +81,7 @@ struct HostedController {
     std::set<Trespass::Kind> trespasses;
     bool enabled_too_late = false;
     std::vector<bool> odd_outputs;  // by output number: it was not finite
+    std::size_t outside = 0;        // the number of waits for something outside of the process
   } reported;
 };
 
@@ -157,6 +158,12 @@ class ControllerHost {
   enum class HowOften { once, in_ticks };
   bool call(HostedController& hosted, const char* function, const std::function<void()>& code,
             HowOften how_often = HowOften::once);
+  bool call_alone(HostedController& hosted, const char* function, const std::function<void()>& code,
+                  HowOften how_often);
+  bool let_threads_run(HostedController& hosted, const char* function, std::int64_t until = 0);
+  bool ends_well(HostedController& hosted, const char* function, const CallOutcome& outcome);
+  void tell_threads(HostedController& hosted);
+  void tell_unknown_delays(const HostedController& hosted);
   void tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome);
   const std::string& label_of_failed(const HostedController& called, const CallOutcome& outcome) const;
   void keep_libraries_of_threads();

@@ -8,6 +8,7 @@
 #include <rehearse/c_controller.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
@@ -170,8 +171,10 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
 }
 
 Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, const std::string& label,
-                                                                   double call_limit) {
+                                                                   double call_limit, const ThreadRules& threads) {
   std::shared_ptr<ControllerLibrary> library(new ControllerLibrary);
+  library->threads_->are_free = threads.are_free;
+  for (const auto& [name, delay] : threads.delays) library->threads_->delays[name] = std::llround(delay * 1e9);
   library->file_ = file;
   library->label_ = label;
   library->call_limit_ = call_limit;
@@ -216,6 +219,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
     return error(name + " can't be loaded: " + readable(problem));
   }
   library->linked_ = linked_libraries(library->handle_);
+  library->threads_->from_start = can_start_threads(library->handle_);
   library->factory_ = reinterpret_cast<Factory>(dlsym(library->handle_, factory_name));
   library->c_functions_ = static_cast<const rehearse_controller_functions*>(dlsym(library->handle_, c_functions_name));
   if (!library->factory_ && !library->c_functions_)

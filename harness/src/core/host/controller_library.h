@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/scenario.h>
 
 #include <filesystem>
 #include <map>
@@ -37,7 +38,7 @@ class ControllerLibrary {
   /// of an undefined symbol) or is no controller. `call_limit` limits the time of the code that runs while it loads
   /// [s].
   static Result<std::shared_ptr<ControllerLibrary>> open(const std::filesystem::path& file, const std::string& label,
-                                                         double call_limit);
+                                                         double call_limit, const ThreadRules& threads = {});
   ~ControllerLibrary();
   ControllerLibrary(const ControllerLibrary&) = delete;
   ControllerLibrary& operator=(const ControllerLibrary&) = delete;
@@ -52,7 +53,7 @@ class ControllerLibrary {
   const std::map<std::string, std::string>& linked() const { return linked_; }
   /// Changes that the library made to the process while it was loaded, and their repair.
   const std::vector<std::string>& remarks() const { return remarks_; }
-  /// The number of running threads that its code has started.
+  /// The threads that its code has started.
   const ThreadCount& threads() const { return threads_; }
   /// Leaves the library in memory for good: its code crashed or never returned, so it must not be unloaded.
   void keep_loaded();
@@ -75,7 +76,7 @@ class ControllerLibrary {
   void* hosted_ = nullptr;
   bool keep_loaded_ = false;
   std::vector<std::string> remarks_;
-  ThreadCount threads_ = std::make_shared<std::atomic<int>>(0);
+  ThreadCount threads_ = std::make_shared<GuestThreads>();
 };
 
 }  // namespace rehearse

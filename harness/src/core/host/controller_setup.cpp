@@ -12,6 +12,7 @@
 #include "core/guard/supervisor.h"
 #include "core/kinds/cost_fields.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/turns/scheduler.h"
 #include "debug_hook.h"
 #include "usable_outputs.h"
 
@@ -51,6 +52,7 @@ Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& s
   std::unique_ptr<ControllerHost> host(new ControllerHost);
   host->scenario_ = &scenario;
   host->options_ = options;
+  TurnScheduler::instance().begin_run();
   note_memory_limit(options.memory_limit * 1e6);
   host->counts_costs_ = options.counts_costs || scenario.counts_costs;
   if (host->counts_costs_ && !can_count_costs()) {
@@ -123,7 +125,8 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   auto loaded = [&] {
     note_call_begin(hosted.label.c_str(), loading, 0, 0.0, options_.call_limit);
     const Watched watched(options_.watch, {hosted.label, loaded_file, "load"});
-    return ControllerLibrary::open(loaded_file, hosted.label, options_.call_limit);
+    return ControllerLibrary::open(loaded_file, hosted.label, options_.call_limit,
+                                   is_given ? given->second.threads : specification.threads);
   }();
   note_call_end();
   if (!loaded) {

@@ -111,6 +111,29 @@ std::map<std::string, const link_map*> needed_by(void* handle) {
   return needed;
 }
 
+/// True if a relocation of the library refers to one of these functions.
+bool refers_to(const link_map& library, const std::set<std::string_view>& functions) {
+  const char* texts = nullptr;
+  const ElfW(Sym)* symbols = nullptr;
+  std::pair<const ElfW(Rela)*, std::size_t> tables[2] = {};  // with their sizes [bytes]
+  for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry) {
+    const auto table = [entry] { return reinterpret_cast<const ElfW(Rela)*>(entry->d_un.d_ptr); };   // NOLINT
+    if (entry->d_tag == DT_STRTAB) texts = reinterpret_cast<const char*>(entry->d_un.d_ptr);         // NOLINT
+    if (entry->d_tag == DT_SYMTAB) symbols = reinterpret_cast<const ElfW(Sym)*>(entry->d_un.d_ptr);  // NOLINT
+    if (entry->d_tag == DT_RELA) tables[0].first = table();
+    if (entry->d_tag == DT_RELASZ) tables[0].second = entry->d_un.d_val;
+    if (entry->d_tag == DT_JMPREL) tables[1].first = table();
+    if (entry->d_tag == DT_PLTRELSZ) tables[1].second = entry->d_un.d_val;
+  }
+  if (!texts || !symbols) return false;
+  for (const auto& [table, size] : tables)
+    for (std::size_t i = 0; table && i < size / sizeof(ElfW(Rela)); ++i)
+      if (const auto symbol = ELF64_R_SYM(table[i].r_info);
+          symbol != 0 && functions.contains(texts + symbols[symbol].st_name))
+        return true;
+  return false;
+}
+
 const std::set<std::string> at_start = [] {
   std::set<std::string> names;
   for (const auto& [name, id] : build_ids()) names.insert(name);
@@ -137,6 +160,17 @@ std::map<std::string, std::string> linked_libraries(void* handle) {
     linked.emplace(name, text);
   }
   return linked;
+}
+
+bool can_start_threads(void* handle) {
+  const std::set<std::string_view> functions = {
+      "pthread_create", "thrd_create",
+      "_ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE"};
+  for (const auto& [name, library] : needed_by(handle)) {
+    const bool is_openmp = name.starts_with("libgomp.") || name.starts_with("libomp.") || name.starts_with("libiomp5.");
+    if (!at_start.contains(name) && !is_openmp && refers_to(*library, functions)) return true;
+  }
+  return false;
 }
 
 Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name) {

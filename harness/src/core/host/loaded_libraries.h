@@ -36,6 +36,10 @@ const std::set<std::string>& libraries_at_start();
 /// build identifier in hexadecimal digits, or the hash of the file. `handle`: from dlopen().
 std::map<std::string, std::string> linked_libraries(void* handle);
 
+/// True if a loaded library, or one of linked_libraries(), refers to a function of the C or C++ library that starts a
+/// thread. The libraries of OpenMP are left out.
+bool can_start_threads(void* handle);
+
 /// The library of that name ("libOSMesa.so.8") and all libraries that it needs; they are loaded if necessary. Fails if
 /// a library can't be loaded.
 Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name);

@@ -12,6 +12,10 @@
 namespace rehearse {
 namespace {
 
+constexpr Range any_thread_delay{0.0, 1e6, "[s]"};
+const Words<bool> kinds_of_turns{"turns, free, or a delay for each name of a thread",
+                                 {{"turns", false}, {"free", true}}};
+
 const BoundForm<ScenarioController>& bound_controller_form() {
   static const BoundForm<ScenarioController> form{
       "controller",
@@ -24,6 +28,12 @@ const BoundForm<ScenarioController>& bound_controller_form() {
        {"options", &ScenarioController::options, "its option string"},
        {"delay", &ScenarioController::delay, "its outputs act one tick later"},
        {"optional", &ScenarioController::optional, "the run goes on without it if it refuses to take part, see below"},
+       FormKey{"threads",
+               types::either(
+                   {types::word(kinds_of_turns.names()), types::map(types::quantity(time_units, any_thread_delay))}),
+               "its own threads run in turns, or free, as the kernel lets them; or in turns with delays: NAME: TIME is "
+               "how much later the thread of that name goes on when it was woken",
+               "turns"},
        FormKey{"children", types::list(types::of(controller_form)),
                "controllers that share its body and are called after it; a child's own children are started and "
                "stopped, but never called, as in Choreonoid"}}};
@@ -60,9 +70,27 @@ class ControllerReader {
     }
     read_name(keys, library, controller);
     bound_controller_form().read(keys, controller);
+    read_threads(keys, controller.threads);
     if (const YamlNode* children = keys.find("children"))
       for (ScenarioController& child : read_list(*children, "children")) add_child(std::move(child), controller);
     return controller;
+  }
+
+  void read_threads(const Keys& keys, ThreadRules& threads) {
+    const YamlNode* const node = keys.find("threads");
+    if (node == nullptr) return keys.set_default("threads", {kinds_of_turns.name_of(threads.are_free)});
+    if (node->kind == YamlNode::Kind::map) {
+      for (const NamedEntry& entry : read_entries(findings_, *node))
+        if (const auto delay = read_seconds(findings_, *entry.value, entry.name, any_thread_delay))
+          threads.delays[entry.name] = *delay;
+      return;
+    }
+    for (const auto& [word, are_free] : kinds_of_turns.all)
+      if (node->kind == YamlNode::Kind::scalar && node->text == word) {
+        threads.are_free = are_free;
+        return;
+      }
+    expected(findings_, *node, "threads", kinds_of_turns.what);
   }
 
   static void add_child(ScenarioController child, ScenarioController& parent) {
