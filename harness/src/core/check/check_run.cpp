@@ -41,7 +41,7 @@ HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& giv
     const bool is_beside = is_controller_file(file);  // a recording has no folder for relative paths
     options.controllers[body.name + "/" + controller.name] = {
         is_beside ? fs::absolute(file, ignored).string() : controller.library, controller.options, controller.delay,
-        controller.optional};
+        controller.optional, controller.threads};
   };
   options.run_options = scenario.options;
   for (const ScenarioBody& body : scenario.bodies) {
