@@ -149,9 +149,9 @@ estimate() {
     }' file=plan "$1" file=before "$2" file=log "$3"
 }
 
-# name_of OUTPUT: an output of the build in words: "check of harness/src/core", of a file for an object.
+# name_of OUTPUT: an output of the build in words: for an object of a room its folder, else "TARGET of FOLDER".
 name_of() {
-  sed -E 's#^(.*/)?CMakeFiles/(rehearse_room_)?([^/]+)\.dir/.*#\3 of \1#; s#_(cold|hot|gdb) of# of#; s#/$##; s# of $##' <<< "$1"
+  sed -E 's#^(.*/)?CMakeFiles/(rehearse_room_)?([^/]+)\.dir/.*#\3 of \1#; s#_(cold|hot|gdb) of# of#; s#/$##; s# of $##; s#^(.*) of (.*/)?\1$#\2\1#' <<< "$1"
 }
 
 # show_estimates FOLDER JOBS: until it or the script is ended, prints the progress of ninja's build in that folder: on a

@@ -16,7 +16,7 @@ REHEARSE_C_FUNCTIONS(REHEARSE_SOURCE)
 #undef REHEARSE_SOURCE
 }  // namespace source_of
 
-/// True for functions by which threads wait in turns (turn_functions.cpp). A thread that takes turns gets their
+/// True for functions by which threads wait in turns (turn_functions.h). A thread that takes turns gets their
 /// answers, and its calls of them are not logged: nothing outside of the process determines them.
 namespace is_of_turns {
 #define REHEARSE_OF_guarded false

@@ -4,7 +4,7 @@
 // name; source: the dependence as which an audit reports a call (interposer::Source), or none; guard:
 //   guarded: a call of a controller ends at most the call, or is undone (process_tripwires.cpp),
 //   derived: likewise, by the replacement of a guarded function,
-//   turns:   threads of controllers wait by it in turns, or see simulated time (turn_functions.cpp),
+//   turns:   threads of controllers wait by it in turns, or see simulated time (turn_functions.h),
 //   counted: a call is only counted (cost_counter.cpp),
 //   allocator: likewise, and the first call may come before other libraries are looked up,
 //   free:    the function isn't replaced;

@@ -1,6 +1,6 @@
-// The functions of the C library that process_tripwires.cpp and turn_functions.cpp replace, as they would be
-// called without them. To be
-// included without _FORTIFY_SOURCE, which declares inline functions with the names of those that open files.
+// The functions of the C library that process_tripwires.cpp and those of turn_functions.h replace, as they would be
+// called without them. To be included without _FORTIFY_SOURCE, which declares inline functions with the names of those
+// that open files.
 #pragma once
 
 #include <fcntl.h>

@@ -211,12 +211,12 @@ void* run_counted(void* given) {
   rehearse::fail_on_own_thread(deed);
 }
 
-/// Libraries whose threads wait past the C library, so that they can't take turns.
+/// The name of one of libraries_without_turns in which the function lies; null: in none.
 const char* library_without_turns(const void* function) {
   dl_find_object object;
   if (_dl_find_object(const_cast<void*>(function), &object) != 0) return nullptr;
   const std::string_view file = object.dlfo_link_map->l_name;
-  for (const char* name : {"libgomp.so", "libomp.so", "libiomp5.so"})
+  for (const char* name : rehearse::libraries_without_turns)
     if (file.substr(file.rfind('/') + 1).starts_with(name)) return name;
   return nullptr;
 }

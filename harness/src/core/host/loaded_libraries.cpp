@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "base/hashing.h"
+#include "core/turns/scheduler.h"
 
 namespace rehearse {
 namespace {
@@ -167,8 +168,9 @@ bool can_start_threads(void* handle) {
       "pthread_create", "thrd_create",
       "_ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE"};
   for (const auto& [name, library] : needed_by(handle)) {
-    const bool is_openmp = name.starts_with("libgomp.") || name.starts_with("libomp.") || name.starts_with("libiomp5.");
-    if (!at_start.contains(name) && !is_openmp && refers_to(*library, functions)) return true;
+    const bool has_no_turns =
+        std::ranges::any_of(libraries_without_turns, [&](const char* other) { return name.starts_with(other); });
+    if (!at_start.contains(name) && !has_no_turns && refers_to(*library, functions)) return true;
   }
   return false;
 }

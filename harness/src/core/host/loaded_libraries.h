@@ -37,7 +37,7 @@ const std::set<std::string>& libraries_at_start();
 std::map<std::string, std::string> linked_libraries(void* handle);
 
 /// True if a loaded library, or one of linked_libraries(), refers to a function of the C or C++ library that starts a
-/// thread. The libraries of OpenMP are left out.
+/// thread. libraries_without_turns are left out.
 bool can_start_threads(void* handle);
 
 /// The library of that name ("libOSMesa.so.8") and all libraries that it needs; they are loaded if necessary. Fails if

@@ -6,7 +6,7 @@
 // itself waits for the others, and all of them wait for a time, simulated time goes on to the earliest of these times.
 //
 // Each thread is blocked on its own futex by a system call past the C library, whose functions are replaced
-// (guard/turn_functions.cpp). Only the thread whose turn it is reads or writes the scheduler's data.
+// (guard/turn_functions.h). Only the thread whose turn it is reads or writes the scheduler's data.
 #pragma once
 
 #include <pthread.h>
@@ -25,6 +25,9 @@ namespace rehearse {
 
 /// The version of the order in which threads run. It is part of the key of a proof.
 inline constexpr int rules_of_turns = 1;
+
+/// Libraries of OpenMP, whose threads wait past the C library, so that they can't take turns.
+inline constexpr const char* libraries_without_turns[] = {"libgomp.so", "libomp.so", "libiomp5.so"};
 
 /// Places in the code of guests, the innermost call first; null behind the last one.
 using CodePlaces = std::array<const void*, 6>;
