@@ -2,30 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace rehearse {
 namespace {
 
-constexpr int most_newton = 8;       // steps with all bounds free to change
-constexpr int most_rounds = 200;     // of the fallback
-constexpr int most_box_steps = 100;  // in a round
-constexpr int polishing = 4;         // Newton steps after each round
+constexpr int most_newton = 8;   // steps before the path
+constexpr int polishing = 4;     // steps after it
+constexpr int most_changes = 8;  // of the path, per row: 1.3 are usual, and 3 have been seen
+constexpr int most_sweeps = 200;
 constexpr double smallest_pivot = 1e-13;
-
-/// Newton steps in all rounds. A step costs the third power of the rows: a crowd of contacts gets fewer, so that a step
-/// of the world stays within some tenths of a second.
-int affordable(int steps, std::size_t rows) {
-  constexpr double least = 100.0, ample = 48.0;  // ample: rows for which all are affordable
-  const double share = ample / std::max(ample, static_cast<double>(rows));
-  return static_cast<int>(std::max(std::min<double>(least, steps), steps * share * share * share));
-}
-
-/// The share by which the normals' impulses follow in a round: less in later ones, which rows that swing need.
-double share_of_round(int round) {
-  constexpr int many = 20, very_many = 60;
-  return round < many ? 0.7 : round < very_many ? 0.3 : 0.1;
-}
 
 }  // namespace
 
@@ -72,62 +59,76 @@ double BoundedProblem::error() const {
   return worst;
 }
 
+/// The bound at which a row is; with a normal, a multiple of its impulse.
+double BoundedProblem::bound(std::size_t row) const {
+  return places_[row].at == At::upper ? bounds_[row].upper : bounds_[row].lower;
+}
+
+/// True for friction of a contact that separates.
+bool BoundedProblem::has_no_contact(std::size_t row) const {
+  const int normal = bounds_[row].normal;
+  return normal >= 0 && places_[normal].at != At::inside;
+}
+
 /// The set of a Newton step: where a step along each row alone leads.
 void BoundedProblem::classify() {
   places_.resize(rows());
-  free_rows_.clear();
+  for (std::size_t i = 0; i < rows(); ++i) {
+    const double wanted = x_[i] + slack(i) / a_[i * rows() + i];
+    places_[i].at = wanted > upper(i) ? At::upper : wanted < lower(i) ? At::lower : At::inside;
+  }
+}
+
+/// Factors the matrix of the rows that are inside their bounds, and sets right_ to what the others leave of b. Returns
+/// false if the matrix is singular.
+bool BoundedProblem::factor_inside_rows() {
+  inside_rows_.clear();
   bounded_rows_.clear();
   for (std::size_t i = 0; i < rows(); ++i) {
-    Place& place = places_[i];
-    const Bounds& bounds = bounds_[i];
-    const double wanted = x_[i] + slack(i) / a_[i * rows() + i];
-    if (bounds.normal >= 0 && places_[bounds.normal].at == At::fixed)
-      place = {At::fixed, 0.0, -1};  // no contact, no friction
-    else if (wanted > upper(i))
-      place = {bounds.normal >= 0 ? At::sliding : At::fixed, bounds.upper, -1};
-    else if (wanted < lower(i))
-      place = {bounds.normal >= 0 ? At::sliding : At::fixed, bounds.lower, -1};
-    else
-      place = {At::inside, 0.0, static_cast<int>(free_rows_.size())};
-    (place.at == At::inside ? free_rows_ : bounded_rows_).push_back(i);
+    const bool is_inside = places_[i].at == At::inside && !has_no_contact(i);
+    places_[i].free_index = is_inside ? static_cast<int>(inside_rows_.size()) : -1;
+    if (is_inside)
+      inside_rows_.push_back(i);
+    else if (!has_no_contact(i))
+      bounded_rows_.push_back(i);
   }
+  const std::size_t size = inside_rows_.size();
+  matrix_.resize(size * size);
+  right_.resize(size);
+  is_symmetric_ = true;
+  for (std::size_t r = 0; r < size; ++r) {
+    const double* a = &a_[inside_rows_[r] * rows()];
+    double* row = &matrix_[r * size];
+    for (std::size_t c = 0; c < size; ++c) row[c] = a[inside_rows_[c]];
+    double right = b_[inside_rows_[r]];
+    for (const std::size_t j : bounded_rows_) {
+      if (bounds_[j].normal < 0) {
+        right -= a[j] * bound(j);
+      } else {
+        row[places_[bounds_[j].normal].free_index] += a[j] * bound(j);
+        is_symmetric_ = false;
+      }
+    }
+    right_[r] = right;
+  }
+  return is_symmetric_ ? factor_symmetric(size) : factor_general(size);
 }
 
 /// Solves the rows that are inside their bounds; the others are at bounds. Returns false if the matrix is singular.
 bool BoundedProblem::newton_step() {
   classify();
-  const std::size_t size = free_rows_.size();
-  matrix_.resize(size * size);
-  right_.resize(size);
-  bool symmetric = true;
-  for (std::size_t r = 0; r < size; ++r) {
-    const double* a = &a_[free_rows_[r] * rows()];
-    double* row = &matrix_[r * size];
-    for (std::size_t c = 0; c < size; ++c) row[c] = a[free_rows_[c]];
-    double right = b_[free_rows_[r]];
-    for (const std::size_t j : bounded_rows_) {
-      if (places_[j].at == At::fixed) right -= a[j] * places_[j].value;
-      if (places_[j].at != At::sliding) continue;
-      const int normal = places_[bounds_[j].normal].free_index;
-      row[normal] += a[j] * places_[j].value;
-      symmetric = false;
-    }
-    right_[r] = right;
-  }
-  if (symmetric ? !solve_symmetric(size) : !solve_general(size)) return false;
-  for (std::size_t i = 0; i < rows(); ++i) {
-    const Place& place = places_[i];
-    if (place.at == At::inside) x_[i] = right_[place.free_index];
-    if (place.at == At::fixed) x_[i] = place.value;
-    if (place.at == At::sliding) x_[i] = place.value * x_[bounds_[i].normal];
-  }
+  if (!factor_inside_rows()) return false;
+  substitute(right_);
+  std::ranges::fill(x_, 0.0);
+  for (std::size_t r = 0; r < inside_rows_.size(); ++r) x_[inside_rows_[r]] = right_[r];
+  for (const std::size_t i : bounded_rows_) x_[i] = bounds_[i].normal < 0 ? bound(i) : bound(i) * x_[bounds_[i].normal];
   for (std::size_t i = 0; i < rows(); ++i) x_[i] = projected(i, x_[i]);
   return true;
 }
 
 /// Cholesky's method in place, R' R with reciprocals on R's diagonal. Each row is subtracted from the lines of those
 /// below it, whose elements are independent: no sum waits for the one before.
-bool BoundedProblem::solve_symmetric(std::size_t size) {
+bool BoundedProblem::factor_symmetric(std::size_t size) {
   diagonal_.resize(size);
   for (std::size_t i = 0; i < size; ++i) diagonal_[i] = matrix_[i * size + i];
   for (std::size_t i = 0; i < size; ++i) {
@@ -141,125 +142,154 @@ bool BoundedProblem::solve_symmetric(std::size_t size) {
       for (std::size_t k = j; k < size; ++k) below[k] -= factor * row[k];
     }
   }
-  for (std::size_t i = 0; i < size; ++i) {
-    const double* row = &matrix_[i * size];
-    const double value = right_[i] *= row[i];
-    for (std::size_t k = i + 1; k < size; ++k) right_[k] -= row[k] * value;
-  }
-  for (std::size_t i = size; i-- > 0;) {
-    const double* row = &matrix_[i * size];
-    double sum = right_[i];
-    for (std::size_t k = i + 1; k < size; ++k) sum -= row[k] * right_[k];
-    right_[i] = sum * row[i];
-  }
   return true;
 }
 
-/// Gauss's method with the largest pivot of each column, in place.
-bool BoundedProblem::solve_general(std::size_t size) {
+/// Gauss's method with the largest pivot of each column, in place: L without its diagonal, and R.
+bool BoundedProblem::factor_general(std::size_t size) {
   const auto at = [&](std::size_t row, std::size_t column) -> double& { return matrix_[row * size + column]; };
+  pivots_.resize(size);
   for (std::size_t c = 0; c < size; ++c) {
     std::size_t pivot = c;
     for (std::size_t r = c + 1; r < size; ++r)
       if (std::abs(at(r, c)) > std::abs(at(pivot, c))) pivot = r;
     if (!(std::abs(at(pivot, c)) > std::numeric_limits<double>::min())) return false;
-    if (pivot != c) {
-      std::swap_ranges(&at(pivot, 0), &at(pivot, 0) + size, &at(c, 0));
-      std::swap(right_[pivot], right_[c]);
-    }
+    pivots_[c] = pivot;
+    if (pivot != c) std::swap_ranges(&at(pivot, 0), &at(pivot, 0) + size, &at(c, 0));
     for (std::size_t r = c + 1; r < size; ++r) {
-      const double factor = at(r, c) / at(c, c);
+      const double factor = at(r, c) /= at(c, c);
       if (factor == 0.0) continue;
       for (std::size_t k = c + 1; k < size; ++k) at(r, k) -= factor * at(c, k);
-      right_[r] -= factor * right_[c];
     }
-  }
-  for (std::size_t r = size; r-- > 0;) {
-    for (std::size_t k = r + 1; k < size; ++k) right_[r] -= at(r, k) * right_[k];
-    right_[r] /= at(r, r);
   }
   return true;
 }
 
-/// Twice the decrease of x' A x / 2 - b' x since from_, with its slacks_. From the differences: the values themselves
-/// are too large to show a small decrease.
-double BoundedProblem::decrease() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < rows(); ++i)
-    if (x_[i] != from_[i]) sum += (x_[i] - from_[i]) * (slacks_[i] + slack(i));
-  return sum;
+/// Solves with the factors of factor_inside_rows(), in place.
+void BoundedProblem::substitute(std::vector<double>& right) const {
+  const std::size_t size = inside_rows_.size();
+  if (is_symmetric_) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const double* row = &matrix_[i * size];
+      const double value = right[i] *= row[i];
+      for (std::size_t k = i + 1; k < size; ++k) right[k] -= row[k] * value;
+    }
+    for (std::size_t i = size; i-- > 0;) {
+      const double* row = &matrix_[i * size];
+      double sum = right[i];
+      for (std::size_t k = i + 1; k < size; ++k) sum -= row[k] * right[k];
+      right[i] = sum * row[i];
+    }
+    return;
+  }
+  for (std::size_t c = 0; c < size; ++c) std::swap(right[pivots_[c]], right[c]);
+  for (std::size_t r = 0; r < size; ++r)
+    for (std::size_t c = 0; c < r; ++c) right[r] -= matrix_[r * size + c] * right[c];
+  for (std::size_t r = size; r-- > 0;) {
+    for (std::size_t k = r + 1; k < size; ++k) right[r] -= matrix_[r * size + k] * right[k];
+    right[r] /= matrix_[r * size + r];
+  }
 }
 
-double BoundedProblem::clamped(std::size_t row, double value) const {
-  return std::min(std::max(value, low_[row]), high_[row]);
+/// All rows that have a bound are at it, as for a large t. The shares of the golden ratio let no two rows change at the
+/// same t.
+void BoundedProblem::begin_path() {
+  constexpr double golden = 0.6180339887498949;
+  push_.resize(rows());
+  for (std::size_t i = 0; i < rows(); ++i) {
+    const bool has_lower = std::isfinite(bounds_[i].lower), has_upper = std::isfinite(bounds_[i].upper);
+    places_[i].at = has_lower ? At::lower : has_upper ? At::upper : At::inside;
+    const double share = golden * static_cast<double>(i + 1);
+    const double size = std::sqrt(a_[i * rows() + i]) * (1.0 + share - std::floor(share));
+    push_[i] = has_lower ? size : has_upper ? -size : 0.0;
+  }
 }
 
-/// Solves the problem with the constant bounds low_ and high_ by Newton steps along the free rows, projected onto the
-/// bounds and shortened until the energy falls (D. Bertsekas, Projected Newton Methods for Optimization Problems with
-/// Simple Constraints, SIAM J. Control and Optimization 20, 1982). Where none falls, a sweep does.
-void BoundedProblem::solve_box(double tolerance, Outcome& outcome) {
-  for (std::size_t i = 0; i < rows(); ++i) x_[i] = clamped(i, x_[i]);
+/// Impulses and slacks as functions of t, with each row in its place. Returns false if the matrix is singular.
+bool BoundedProblem::solve_along_path() {
+  if (!factor_inside_rows()) return false;
+  substitute(right_);
+  right_slopes_.resize(inside_rows_.size());
+  for (std::size_t r = 0; r < inside_rows_.size(); ++r) right_slopes_[r] = -push_[inside_rows_[r]];
+  substitute(right_slopes_);
+  impulses_.assign(rows(), {});
+  for (std::size_t r = 0; r < inside_rows_.size(); ++r) impulses_[inside_rows_[r]] = {right_[r], right_slopes_[r]};
+  for (const std::size_t i : bounded_rows_) {
+    const Linear of = bounds_[i].normal < 0 ? Linear{1.0, 0.0} : impulses_[bounds_[i].normal];
+    impulses_[i] = {bound(i) * of.value, bound(i) * of.slope};
+  }
   slacks_.resize(rows());
-  for (int step = 0; step < most_box_steps; ++step) {
-    double worst = 0.0;
-    free_rows_.clear();
-    for (std::size_t i = 0; i < rows(); ++i) {
-      slacks_[i] = slack(i);
-      worst = std::max(worst, std::abs(clamped(i, x_[i] + slacks_[i] / a_[i * rows() + i]) - x_[i]));
-      const bool held = (x_[i] <= low_[i] && slacks_[i] <= 0.0) || (x_[i] >= high_[i] && slacks_[i] >= 0.0);
-      if (!held) free_rows_.push_back(i);
+  for (std::size_t i = 0; i < rows(); ++i) {
+    Linear slack{b_[i], -push_[i]};
+    for (std::size_t j = 0; j < rows(); ++j) {
+      slack.value -= a_[i * rows() + j] * impulses_[j].value;
+      slack.slope -= a_[i * rows() + j] * impulses_[j].slope;
     }
-    if (!(worst > tolerance)) return;
-    ++outcome.newton_steps;
-    from_ = x_;
-    if (!step_along_free_rows()) {
-      x_ = from_;
-      for (std::size_t i = 0; i < rows(); ++i) x_[i] = clamped(i, x_[i] + slack(i) / a_[i * rows() + i]);
-      if (!(decrease() > 0.0)) return;  // rounding hides the rest
-    }
+    slacks_[i] = slack;
+  }
+  return true;
+}
+
+/// The distance of a row from the change; it is negative beyond it.
+BoundedProblem::Linear BoundedProblem::gap(Change change) const {
+  const auto [row, to] = change;
+  if (to == At::inside) {
+    const double sign = places_[row].at == At::upper ? 1.0 : -1.0;
+    return {sign * slacks_[row].value, sign * slacks_[row].slope};
+  }
+  const double sign = to == At::upper ? -1.0 : 1.0, bound = to == At::upper ? bounds_[row].upper : bounds_[row].lower;
+  const Linear of = bounds_[row].normal < 0 ? Linear{1.0, 0.0} : impulses_[bounds_[row].normal];
+  return {sign * (impulses_[row].value - bound * of.value), sign * (impulses_[row].slope - bound * of.slope)};
+}
+
+template <typename Visit>
+void BoundedProblem::visit_changes(Visit&& visit) const {
+  for (std::size_t i = 0; i < rows(); ++i) {
+    if (has_no_contact(i)) continue;
+    if (places_[i].at != At::inside) visit(Change{i, At::inside});
+    if (places_[i].at != At::inside) continue;
+    if (std::isfinite(bounds_[i].lower)) visit(Change{i, At::lower});
+    if (std::isfinite(bounds_[i].upper)) visit(Change{i, At::upper});
   }
 }
 
-bool BoundedProblem::step_along_free_rows() {
-  const std::size_t size = free_rows_.size();
-  matrix_.resize(size * size);
-  right_.resize(size);
-  for (std::size_t r = 0; r < size; ++r) {
-    right_[r] = slacks_[free_rows_[r]];
-    for (std::size_t c = 0; c < size; ++c) matrix_[r * size + c] = a_[free_rows_[r] * rows() + free_rows_[c]];
-  }
-  if (!solve_symmetric(size)) return false;
-  constexpr double shortest = 1e-4;
-  for (double share = 1.0; share > shortest; share *= 0.5) {
-    for (std::size_t r = 0; r < size; ++r)
-      x_[free_rows_[r]] = clamped(free_rows_[r], from_[free_rows_[r]] + share * right_[r]);
-    if (decrease() > 0.0) return true;
-  }
-  return false;
+/// A contact that begins slides at first: its limit of friction is zero.
+void BoundedProblem::make(Change change, double t) {
+  places_[change.row].at = change.to;
+  if (change.to != At::inside) return;
+  for (std::size_t i = change.row + 1; i < rows(); ++i)
+    if (bounds_[i].normal == static_cast<int>(change.row) && std::isfinite(bounds_[i].lower))
+      places_[i].at = slacks_[i](t) > 0.0 ? At::upper : At::lower;
 }
 
-/// Friction's bounds are kept constant in each round, and follow the impulses of the normals between the rounds.
-bool BoundedProblem::solve_in_rounds(double tolerance, int steps, Outcome& outcome) {
-  constexpr double of_box = 0.01;  // share of the tolerance
-  normals_ = x_;
-  for (int round = 0; round < most_rounds && outcome.newton_steps < affordable(steps, rows()); ++round) {
-    for (std::size_t i = 0; i < rows(); ++i) normals_[i] += share_of_round(round) * (x_[i] - normals_[i]);
-    before_ = std::exchange(x_, normals_);
-    low_.resize(rows());
-    high_.resize(rows());
-    for (std::size_t i = 0; i < rows(); ++i) {
-      low_[i] = lower(i);
-      high_[i] = upper(i);
+/// Follows the path to t = 0. Returns false if it doesn't end there within the changes that rows may have.
+bool BoundedProblem::follow_path(Outcome& outcome) {
+  begin_path();
+  double t = infinite, direction = -1.0;
+  std::optional<Change> back;  // from the last one
+  for (std::size_t changes = 0; changes < most_changes * rows(); ++changes) {
+    if (!solve_along_path()) return false;
+    ++outcome.steps;
+    if (back) direction = gap(*back).slope > 0.0 ? 1.0 : -1.0;
+    std::optional<Change> next;
+    double at = direction < 0.0 ? 0.0 : infinite;  // the t of the next one
+    visit_changes([&](Change change) {
+      const Linear distance = gap(change);
+      if (!(distance.slope * direction < 0.0)) return;
+      const double zero = -distance.value / distance.slope;
+      if (direction < 0.0 ? !(zero > at) : !(zero < at)) return;
+      at = zero;
+      next = change;
+    });
+    if (!next && direction > 0.0) return false;
+    if (!next) {
+      for (std::size_t i = 0; i < rows(); ++i) x_[i] = impulses_[i].value;
+      for (std::size_t i = 0; i < rows(); ++i) x_[i] = projected(i, x_[i]);
+      return true;
     }
-    x_ = before_;
-    solve_box(of_box * tolerance, outcome);
-    if (accept(tolerance, outcome)) return true;
-    before_ = x_;
-    for (int i = 0; i < polishing && newton_step(); ++i) {
-      ++outcome.newton_steps;
-      if (accept(tolerance, outcome)) return true;
-    }
-    x_ = before_;
+    t = direction < 0.0 ? std::min(t, at) : std::max(t, at);
+    back = Change{next->row, places_[next->row].at};
+    make(*next, t);
   }
   return false;
 }
@@ -274,17 +304,21 @@ bool BoundedProblem::accept(double tolerance, Outcome& outcome) {
   return outcome.error <= tolerance;
 }
 
-BoundedProblem::Outcome BoundedProblem::solve(double tolerance, int steps) {
+BoundedProblem::Outcome BoundedProblem::solve(double tolerance) {
   Outcome outcome{infinite, 0};
   best_.clear();
+  const auto newton = [&](int most) {
+    for (int i = 0; i < most && newton_step(); ++i) {
+      ++outcome.steps;
+      if (accept(tolerance, outcome)) return true;
+    }
+    return false;
+  };
   sweep();
-  const std::vector<double>& start = start_ = x_;
-  for (int i = 0; i < most_newton && newton_step(); ++i) {
-    ++outcome.newton_steps;
-    if (accept(tolerance, outcome)) return outcome;
-  }
-  x_ = start;
-  solve_in_rounds(tolerance, steps, outcome);
+  if (newton(most_newton)) return outcome;
+  if (follow_path(outcome) && (accept(tolerance, outcome) || newton(polishing))) return outcome;
+  if (!best_.empty()) x_ = best_;
+  for (int i = 0; i < most_sweeps && !accept(tolerance, outcome); ++i) sweep();
   if (!best_.empty()) x_ = best_;
   return outcome;
 }

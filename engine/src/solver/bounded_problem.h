@@ -6,9 +6,14 @@
 //
 // A sweep of projected Gauss-Seidel guesses which rows are at their bounds, and Newton steps solve the others exactly.
 // The equation is piecewise linear, so a step with the right set of rows at bounds gives the solution (L. Qi and J.
-// Sun, A nonsmooth version of Newton's method, Mathematical Programming 58, 1993). Feet that push against each other
-// can make these steps repeat themselves. Then friction's bounds are kept constant, which is a convex problem that
-// always has an end, and follow the normal impulses from round to round.
+// Sun, A nonsmooth version of Newton's method, Mathematical Programming 58, 1993).
+//
+// Contacts near their limit of friction can make these steps repeat themselves. Then the path of C. Lemke (Bimatrix
+// Equilibrium Points and Mathematical Programming, Management Science 11, 1965) is followed: b - t d for b. For a large
+// t all rows with bounds are at one. Between the values of t where a row comes to a bound or leaves it, x is linear in
+// t. The path turns where it must, and ends with t = 0: contacts with friction always have a solution there (M.
+// Anitescu and F. Potra, Formulating Dynamic Multi-Rigid-Body Contact Problems with Friction, Nonlinear Dynamics 14,
+// 1997).
 #pragma once
 
 #include <cstddef>
@@ -30,7 +35,7 @@ class BoundedProblem {
 
   struct Outcome {
     double error;  // the largest change of an impulse by a projected step along one row
-    int newton_steps;
+    int steps;     // linear systems solved
   };
 
   /// Begins a problem of that many rows, with zeros.
@@ -42,19 +47,24 @@ class BoundedProblem {
   /// Before solve() an estimate, after it the solution.
   double& x(std::size_t row) { return x_[row]; }
 
-  static constexpr int most_steps = 3000;
-  /// Solves until the error is at most `tolerance`. If that isn't reached in about `steps` Newton steps, x is the best
-  /// approximation found.
-  Outcome solve(double tolerance, int steps = most_steps);
+  /// Solves until the error is at most `tolerance`. If that can't be reached, x is the best approximation found.
+  Outcome solve(double tolerance);
 
  private:
-  enum class At { inside, fixed, sliding };
-  /// The place of a row in a Newton step: inside its bounds, fixed to a value, or at a multiple of its normal's
-  /// impulse.
+  enum class At { inside, lower, upper };
   struct Place {
     At at;
-    double value;  // or factor of the normal's impulse
-    int free_index;
+    int free_index;  // among the rows that are inside
+  };
+  /// A row comes to a bound, or inside from one.
+  struct Change {
+    std::size_t row;
+    At to;
+  };
+  /// A number that is linear in the path's t.
+  struct Linear {
+    double value = 0.0, slope = 0.0;
+    double operator()(double t) const { return value + t * slope; }
   };
 
   double slack(std::size_t row) const;
@@ -64,24 +74,32 @@ class BoundedProblem {
   double projected(std::size_t row, double value) const;
   void sweep();
   double error() const;
+  double bound(std::size_t row) const;
+  bool has_no_contact(std::size_t row) const;
   void classify();
   bool newton_step();
-  double decrease() const;
-  double clamped(std::size_t row, double value) const;
-  bool step_along_free_rows();
-  void solve_box(double tolerance, Outcome& outcome);
-  bool solve_in_rounds(double tolerance, int steps, Outcome& outcome);
   bool accept(double tolerance, Outcome& outcome);
-  bool solve_symmetric(std::size_t size);
-  bool solve_general(std::size_t size);
+  bool factor_inside_rows();
+  void substitute(std::vector<double>& right) const;
+  bool factor_symmetric(std::size_t size);
+  bool factor_general(std::size_t size);
+  void begin_path();
+  bool solve_along_path();
+  Linear gap(Change change) const;
+  template <typename Visit>
+  void visit_changes(Visit&& visit) const;
+  void make(Change change, double t);
+  bool follow_path(Outcome& outcome);
 
   std::vector<double> a_, b_, x_;
   std::vector<Bounds> bounds_;
   // scratch of solve()
   std::vector<Place> places_;
-  std::vector<std::size_t> free_rows_, bounded_rows_;  // inside their bounds, and the others
-  std::vector<double> matrix_, right_, diagonal_, best_, start_, before_;
-  std::vector<double> low_, high_, slacks_, from_, normals_;
+  std::vector<std::size_t> inside_rows_, bounded_rows_, pivots_;
+  bool is_symmetric_ = true;
+  std::vector<double> matrix_, right_, diagonal_, best_;
+  std::vector<double> push_, right_slopes_;  // of the path: d
+  std::vector<Linear> impulses_, slacks_;
 };
 
 }  // namespace rehearse

@@ -190,22 +190,22 @@ void Island::push() {
   }
 }
 
-BoundedProblem::Outcome Island::solve_once(double tolerance, int steps) {
+BoundedProblem::Outcome Island::solve_once(double tolerance) {
   for (const auto& [first, last] : trees_) forest_.solve(first, last);
   add_constraints();
   if (constraints_.empty()) return {0.0, 0};
   set_products();
   set_problem();
-  const BoundedProblem::Outcome outcome = problem_.solve(tolerance, steps);
+  const BoundedProblem::Outcome outcome = problem_.solve(tolerance);
   push();
   for (const auto& [first, last] : trees_) forest_.descend(first, last);
   return outcome;
 }
 
 /// Each repetition has one more row.
-BoundedProblem::Outcome Island::settle(double tolerance, int steps) {
+BoundedProblem::Outcome Island::settle(double tolerance) {
   for (;;) {
-    const BoundedProblem::Outcome outcome = solve_once(tolerance, steps);
+    const BoundedProblem::Outcome outcome = solve_once(tolerance);
     const bool right = check_drives();
     if (check_stops() && right) return outcome;
     assume_drives();
@@ -225,15 +225,15 @@ void Island::withdraw_corrections() {
   }
 }
 
-BoundedProblem::Outcome Island::solve(double tolerance, int steps) {
+BoundedProblem::Outcome Island::solve(double tolerance) {
   assume_drives();
   for (const auto& [first, last] : trees_) forest_.factor(first, last);
-  const BoundedProblem::Outcome outcome = settle(tolerance, steps);
+  const BoundedProblem::Outcome outcome = settle(tolerance);
   if (std::ranges::none_of(stops_, [](const Stop& stop) { return stop.corrects && stop.impulse != 0.0; }))
     return outcome;
   withdraw_corrections();
-  const BoundedProblem::Outcome second = settle(tolerance, steps);
-  return {std::max(outcome.error, second.error), outcome.newton_steps + second.newton_steps};
+  const BoundedProblem::Outcome second = settle(tolerance);
+  return {std::max(outcome.error, second.error), outcome.steps + second.steps};
 }
 
 const Vector6d& Island::moving_velocity(int body) const {

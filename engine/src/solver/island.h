@@ -77,8 +77,8 @@ class Island {
   const std::vector<BoundedRow>& rows() const { return rows_; }
   const std::vector<JointRow>& joint_rows() const { return joint_rows_; }
 
-  /// Solves the step; the forest then has the velocities. `tolerance`: of impulses [N·s]; `steps`: see BoundedProblem.
-  BoundedProblem::Outcome solve(double tolerance, int steps = BoundedProblem::most_steps);
+  /// Solves the step; the forest then has the velocities. `tolerance`: of impulses [N·s].
+  BoundedProblem::Outcome solve(double tolerance);
   /// The velocity by which a body moves in the step: that of the forest, or one that also corrects positions.
   const Vector6d& moving_velocity(int body) const;
 
@@ -112,8 +112,8 @@ class Island {
   bool check_drives();
   bool check_stops();
   void withdraw_corrections();
-  BoundedProblem::Outcome settle(double tolerance, int steps);
-  BoundedProblem::Outcome solve_once(double tolerance, int steps);
+  BoundedProblem::Outcome settle(double tolerance);
+  BoundedProblem::Outcome solve_once(double tolerance);
   void add_constraints();
   void add_constraint(double velocity, double target, double softness, const BoundedProblem::Bounds& bounds,
                       double& impulse);

@@ -17,10 +17,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Of impulses, as a share of the weight of an island's bodies, and Newton steps to reach it. Bodies without joints
-/// often have many contacts near their limits of friction, and none depends on the last digits of their forces.
+/// Of impulses, as a share of the weight of an island's bodies. Nobody depends on the last digits of the forces between
+/// bodies without joints.
 constexpr double tolerance = 1e-10, loose_tolerance = 1e-7;
-constexpr int loose_steps = 300;
 constexpr double standard_gravity = 9.80665;  // [m/s²]
 
 /// The torque of ODE's gyroscopic mode, implicit (C. Lacoursière, Stabilizing Gyroscopic Forces in Rigid Multibody
@@ -313,9 +312,8 @@ DirectStep::Outcome DirectStep::solve() {
       weights[tree.island] += standard_gravity * law_.time_step * parts_[part].weight->mass;
   }
   for (std::size_t i = 0; i < island_count_; ++i) {
-    const BoundedProblem::Outcome solved = have_joints_[i]
-                                               ? islands_[i].solve(tolerance * weights[i])
-                                               : islands_[i].solve(loose_tolerance * weights[i], loose_steps);
+    const BoundedProblem::Outcome solved =
+        islands_[i].solve((have_joints_[i] ? tolerance : loose_tolerance) * weights[i]);
     outcome.error = std::max(outcome.error, solved.error / weights[i]);
   }
   for (const Tree& tree : trees_) {

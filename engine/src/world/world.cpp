@@ -473,7 +473,7 @@ std::string World::engine_description() {
   const std::string configuration = dGetConfiguration();
   const bool is_double = configuration.find("ODE_double_precision") != std::string::npos;
   // with each change of this library that moves bits of a world: a golden of another step is told from a fault by it
-  constexpr const char* step = ", step 2";
+  constexpr const char* step = ", step 3";
   return std::string("ODE " dODE_VERSION) + (is_double ? ", double precision" : ", single precision") + step;
 }
 

@@ -76,11 +76,10 @@ TEST(ABoundedProblem, WithOneSidedRowsIsSolved) {
   }
 }
 
-/// Contacts as of two feet: four points each with a normal and two rows of friction, of two rigid bodies. With random
-/// directions and friction up to 1.2 some have no solution to all digits.
+/// Contacts as of two feet: four points each with a normal and two rows of friction, of two rigid bodies, in random
+/// directions. Newton steps alone leave some of them wrong by the size of the impulses.
 TEST(ABoundedProblem, OfContactsWithFrictionIsSolved) {
-  int inexact = 0;
-  for (std::uint32_t seed = 0; seed < 500; ++seed) {
+  for (std::uint32_t seed = 0; seed < 3000; ++seed) {
     Dice dice(seed);
     BoundedProblem problem = random_problem(dice, 24, 12);
     const double coefficient = dice.uniform(0.05, 1.2);
@@ -88,14 +87,9 @@ TEST(ABoundedProblem, OfContactsWithFrictionIsSolved) {
       problem.bounds(3 * contact) = {0.0, BoundedProblem::infinite, -1};
       for (int k = 1; k < 3; ++k) problem.bounds(3 * contact + k) = {-coefficient, coefficient, 3 * contact};
     }
-    const double error = problem.solve(1e-10).error;
-    EXPECT_LT(error, 1e-2) << "seed " << seed;
-    if (error <= 1e-10)
-      expect_solved(problem, 1e-6, "seed " + std::to_string(seed));
-    else
-      ++inexact;
+    EXPECT_LE(problem.solve(1e-10).error, 1e-10) << "seed " << seed;
+    expect_solved(problem, 1e-6, "seed " + std::to_string(seed));
   }
-  EXPECT_LE(inexact, 15);
 }
 
 TEST(ABoundedProblem, EstimatesTheSolutionThatItStartsFrom) {
@@ -104,7 +98,7 @@ TEST(ABoundedProblem, EstimatesTheSolutionThatItStartsFrom) {
   for (int i = 0; i < 12; ++i) problem.bounds(i) = {0.0, BoundedProblem::infinite, -1};
   problem.solve(1e-12);
   const BoundedProblem::Outcome again = problem.solve(1e-12);
-  EXPECT_EQ(again.newton_steps, 1);
+  EXPECT_EQ(again.steps, 1);
 }
 
 TEST(ABoundedProblem, WithoutFrictionPastASeparatedContact) {
@@ -118,6 +112,18 @@ TEST(ABoundedProblem, WithoutFrictionPastASeparatedContact) {
   EXPECT_EQ(problem.solve(1e-12).error, 0.0);
   EXPECT_EQ(problem.x(0), 0.0);
   EXPECT_EQ(problem.x(1), 0.0);
+}
+
+/// Equal rows without softness have no inverse; sweeps don't need it.
+TEST(ABoundedProblem, WithEqualRowsIsSolvedBySweeps) {
+  BoundedProblem problem;
+  problem.reset(3);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) problem.a(i, j) = i / 2 == j / 2 ? 2.0 : 1.0;
+    problem.b(i) = 1.0;
+  }
+  EXPECT_LE(problem.solve(1e-12).error, 1e-12);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(slack(problem, i), 0.0, 1e-11);
 }
 
 TEST(ABoundedProblem, OfNumbersThatArentFiniteEnds) {
