@@ -74,6 +74,7 @@ const environment = { ...process.env, PATH: `${build}/bin:${programs}`, SOURCE: 
 for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
 if (spawnSync('ccache', ['--version']).status === 0) environment.CMAKE_CXX_COMPILER_LAUNCHER = 'ccache';
 environment.REHEARSE_PENDING = 'rehearse-pending'; // not in the build that tests share
+const limit = 120_000; // of a command [ms]
 let place = folder; // a session's working directory
 const run = (command, input = '') => {
   fill();
@@ -83,8 +84,9 @@ const run = (command, input = '') => {
     env: environment,
     encoding: 'utf8',
     input,
-    timeout: 120000,
+    timeout: limit,
   });
+  if (outcome.error) throw new Error(`${page}: '${command}' was ended after ${limit / 1000} s: ${outcome.error.code}`);
   place = readFileSync(join(folder, '.place'), 'utf8').trim();
   return outcome;
 };

@@ -36,9 +36,9 @@ double lowest(const std::string& delay, const std::string& strength) {
 
 TEST(TrotOnHardware, FallsWithLateCommandsAndAWeakKneeTogether) {
   EXPECT_GT(lowest("0", "1"), 0.33) << "ideal drives";
-  EXPECT_GT(lowest("12", "1"), 0.25) << "late commands alone";
+  EXPECT_GT(lowest("14", "1"), 0.25) << "late commands alone";
   EXPECT_GT(lowest("0", "0.3"), 0.25) << "a weak knee alone";
-  EXPECT_LT(lowest("12", "0.3"), 0.2) << "both";
+  EXPECT_LT(lowest("14", "0.3"), 0.2) << "both";
 }
 
 }  // namespace
