@@ -18,6 +18,7 @@
 #include "control_times.h"
 #include "core/golden/stale_report.h"
 #include "core/guard/interruption.h"
+#include "core/host/turn_order_file.h"
 #include "coverage_text.h"
 #include "instruction_check.h"
 #include "options.h"
@@ -133,7 +134,19 @@ void tell_instructions(const AuditReport& report) {
   tell_remarks(report.remarks, report.failure);
 }
 
+void tell_orders(const AuditReport& report) {
+  fmt::print("{}\n", report.verdict);
+  if (const fs::path& file = report.orders->file; !file.empty())
+    fmt::print(
+        "it is the order in {}, which replay --order repeats; it was order {}, and is reduced to {} exchange{}\n",
+        file.string(), report.orders->tried, report.orders->exchanges.size(),
+        report.orders->exchanges.size() == 1 ? "" : "s");
+  std::fflush(stdout);  // before related output on stderr
+  tell_remarks(report.remarks, report.failure);
+}
+
 void tell(const AuditSettings& settings, const AuditReport& report) {
+  if (report.orders) return tell_orders(report);
   if (settings.audit.realtime) return tell_realtime(settings, report);
   if (settings.audit.instructions) return tell_instructions(report);
   fmt::print("{}\n", report.verdict);
@@ -224,6 +237,14 @@ Exit run_audit(AuditSettings& settings) {
   const std::string& subject = settings.subjects.front();
   if (settings.subjects.size() > 1 && !settings.audit.coverage && !settings.judge)
     return refuse(error("only --coverage examines several recordings: this examines one", "name it alone"));
+  if (settings.audit.orders > 0) {
+    settings.audit.order_file =
+        settings.output.empty() ? fs::path(subject).stem().string() + ".order.json" : settings.output;
+    settings.output.clear();
+    if (const auto allowed = check_replaceable(settings.audit.order_file, turn_order_magic, "order of threads");
+        !allowed)
+      return refuse(allowed.errors());
+  }
   if (!settings.output.empty() && !settings.audit.virtualise)
     return refuse(error("-o is the recording that --virtualise makes", "add --virtualise, or use rehearse record"));
   const std::string kind = fs::path(subject).extension().string();
@@ -279,10 +300,21 @@ std::function<Exit()> declare_audit(CLI::App& options) {
       ->excludes(options.get_option("--realtime"))
       ->excludes(options.get_option("--instructions"));
   add_coverage_files(options, settings->coverage_files);
+  add_integer(options, "--orders",
+              "instead: replay in so many other orders of the controllers' threads; an order that changes a command is "
+              "reduced to few exchanges, and written",
+              1, 1'000'000, [=](std::int64_t orders) { settings->audit.orders = static_cast<int>(orders); })
+      ->excludes(options.get_option("--valgrind"))
+      ->excludes(options.get_option("--realtime"))
+      ->excludes(options.get_option("--instructions"))
+      ->excludes(options.get_option("--coverage"));
   options.add_flag("--virtualise", settings->audit.virtualise,
                    "give the controllers simulated time and seeded random numbers instead of the system's");
-  options.add_option("-o,--output", settings->output, "with --virtualise: the trace to write")->type_name("TRACE");
-  add_integer(options, "--seed", "of the random numbers that replace the system's (1)", 0,
+  options
+      .add_option("-o,--output", settings->output,
+                  "with --virtualise: the trace to write; with --orders: the file of an order (NAME.order.json)")
+      ->type_name("FILE");
+  add_integer(options, "--seed", "of the random numbers that replace the system's, and of --orders (1)", 0,
               std::numeric_limits<std::uint32_t>::max(),
               [=](std::int64_t seed) { settings->audit.seed = static_cast<std::uint64_t>(seed); });
   options.add_flag(
@@ -296,6 +328,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   options.add_option("--passes", settings->replay.passes)->group("");
   options.add_option("--padding", settings->replay.padding)->group("");
   options.add_option("--stack-fill", settings->replay.stack_fill)->group("");
+  options.add_option("--order", settings->replay.order)->group("");
   options.add_flag("--costs", settings->replay.costs)->group("");
   options.add_flag("--executed", settings->replay.coverage)->group("");
   options.add_flag("--judge", settings->judge)->group("");

@@ -256,6 +256,22 @@ const Form& audited_controller_form() {
   return form;
 }
 
+const Form& order_exchange_form() {
+  static const Form form{
+      "order_exchange", "an exchange of threads", {member("runs", types::string()), member("before", types::string())}};
+  return form;
+}
+
+const Form& tried_orders_form() {
+  static const Form form{
+      "tried_orders",
+      "other orders of threads",
+      {member("tried", types::count()), member("places", types::count()), member("threads", types::count()),
+       member("first", difference_type()), member("exchanges", types::array(types::of(order_exchange_form))),
+       member("file", types::nullable(types::string()))}};
+  return form;
+}
+
 const Form& audit_remark_form() {
   static const Form form{
       "audit_remark", "a remark", {member("severity", types::string()), member("message", types::string())}};
@@ -277,6 +293,7 @@ const Form& audit_form() {
                      member("failure", types::nullable(types::string())), member("controller_refused", types::flag()),
                      member("memory_errors", types::array(types::string())), member("ticks", types::count()),
                      member("commands", types::count()), member("replays", types::count()),
+                     member("orders", types::nullable(types::of(tried_orders_form))),
                      member("remarks", types::array(types::of(audit_remark_form)))}});
   return form;
 }

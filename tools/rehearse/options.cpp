@@ -45,10 +45,10 @@ void add_number(CLI::App& options, const std::string& option, const std::string&
   options.add_option_function<std::string>(option, read, help)->type_name("NUMBER");
 }
 
-void add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
-                 std::int64_t highest, std::function<void(std::int64_t)> take) {
+CLI::Option* add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
+                         std::int64_t highest, std::function<void(std::int64_t)> take) {
   const auto read = [=](const std::string& text) { take(parse_integer(option, text, lowest, highest)); };
-  options.add_option_function<std::string>(option, read, help)->type_name("NUMBER");
+  return options.add_option_function<std::string>(option, read, help)->type_name("NUMBER");
 }
 
 void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) {

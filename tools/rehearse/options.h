@@ -24,8 +24,8 @@ inline constexpr double longest_time = 1e9;  // upper limit of options that are 
 /// Declares an option with a number, which is passed to `take`. `option` is its long form, as "--until".
 void add_number(CLI::App& options, const std::string& option, const std::string& help, double lowest, double highest,
                 std::function<void(double)> take);
-void add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
-                 std::int64_t highest, std::function<void(std::int64_t)> take);
+CLI::Option* add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
+                         std::int64_t highest, std::function<void(std::int64_t)> take);
 
 /// Declares --controller NAME=LIB, any number of times, and --call-limit S. `alone`: receives a --controller LIB
 /// without a name; if it is null, a missing name is an error.

@@ -28,6 +28,7 @@
 #include "core/guard/own_process.h"
 #include "core/guard/supervise.h"
 #include "core/host/source_age.h"
+#include "core/host/turn_order_file.h"
 #include "core/host/virtualised.h"
 #include "core/scenario/trace_scenario.h"
 #include "debugger.h"
@@ -48,6 +49,7 @@ struct ReplaySettings {
   bool instructions = false, coverage = false;
   CoverageFiles coverage_files;
   std::string beside;
+  std::string order;  // the file of an order of threads
   ReplayOptions replay;
   std::optional<double> deadline;  // of control() [s]
   std::string output;
@@ -198,6 +200,8 @@ std::vector<std::string> notes_on_libraries_of(const ReplaySettings& settings) {
 
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
+  if (!settings.order.empty())
+    if (const auto order = take_turn_order(settings.order); !order) return refuse(order.errors());
   if (settings.instructions) return audit_recording("--instructions", settings, options);
   if (settings.coverage) return audit_recording("--coverage", settings, options);
   if (!settings.beside.empty())
@@ -277,6 +281,10 @@ std::function<Exit()> declare_replay(CLI::App& options) {
               0, std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });
   add_number(options, "--at", "the same by its time [s]", 0.0, longest_time,
              [=](double at) { settings->ticks.at = at; });
+  options
+      .add_option("--order", settings->order,
+                  "the threads of controllers take turns in the order of this file, which audit --orders writes")
+      ->type_name("FILE");
   options.add_flag("--full", settings->ticks.full, "of a tick: also unchanged values");
   options.add_option("--watch", settings->ticks.watch, "print these series, a row a tick; of a tick: these only")
       ->type_name("GLOB");

@@ -28,6 +28,9 @@ struct AuditOptions : HostOptions {
   bool realtime = false;        // only the costs of the calls are examined, in one replay
   bool instructions = false;    // only the instructions of control() are counted, in one replay under callgrind
   bool coverage = false;        // only the executed code is found, in one replay with breakpoints
+  int orders = 0;               // only so many other orders of threads are tried, unless it is 0
+  /// With `orders`: receives the order that changes a command. It may not exist yet.
+  std::filesystem::path order_file;
   /// The controllers get simulated time and seeded random numbers in all runs, instead of the system's.
   bool virtualise = false;
   std::uint64_t seed = 1;          // of the random numbers that replace the system's
@@ -149,6 +152,20 @@ struct ControllerAudit {
   std::vector<std::string> rests_on;
 };
 
+/// Replays in other orders of the threads of controllers.
+struct TriedOrders {
+  /// In this order `runs` comes first, which came after `before`: "'planner' (walk.cpp:88)".
+  struct Exchange {
+    std::string runs, before;
+  };
+  int tried = 0;
+  std::int64_t places = 0;          // of a replay, where several threads were ready
+  int threads = 1;                  // the calls themselves among them
+  std::optional<Divergence> first;  // in the fewest exchanges; none: all orders gave the same commands
+  std::vector<Exchange> exchanges;
+  std::filesystem::path file;  // AuditOptions::order_file, if an order matters
+};
+
 struct AuditReport {
   std::string verdict;  // one sentence, without a full stop
   bool deterministic = true;
@@ -161,6 +178,7 @@ struct AuditReport {
   double time = 0.0;       // simulated time of a replay [s]
   double time_step = 0.0;  // [s]
   std::vector<ControllerAudit> controllers;
+  std::optional<TriedOrders> orders;       // with AuditOptions::orders
   std::vector<std::string> memory_errors;  // errors that valgrind reported; sentences
   Diagnostics remarks;                     // changes that controllers made to the process, and similar remarks
 };
@@ -187,6 +205,7 @@ struct AuditedReplay {
   bool instructions = false;      // under callgrind: write a profile of each control()
   bool costs = false;             // log the costs of calls with their places
   bool coverage = false;          // find the executed code
+  std::filesystem::path order;    // file of an order of threads; empty: the usual one
   std::optional<double> until;    // [s]
   HostOptions host;
 };

@@ -15,6 +15,7 @@
 #include "core/scenario/trace_scenario.h"
 #include "instruction_profile.h"
 #include "judgement.h"
+#include "orders.h"
 #include "realtime.h"
 #include "valgrind_report.h"
 
@@ -58,6 +59,7 @@ class Audit {
   Result<void> run_realtime();
   Result<void> run_instructions();
   Result<void> run_coverage();
+  Result<void> run_orders();
   void take_first(const ReplayPass& pass);
   Result<void> judge();
   bool calls_can_hide() const;
@@ -381,6 +383,12 @@ Result<void> Audit::run_coverage() {
   return {};
 }
 
+/// Replaces all other examinations.
+Result<void> Audit::run_orders() {
+  tell("replaying in other orders", options_.orders + 2);
+  return try_orders(*processes_, options_, report_, [this](const ReplayPass& pass) { take_first(pass); });
+}
+
 Result<void> Audit::judge() {
   for (ControllerAudit& controller : report_.controllers) {
     const std::vector<ObservedCall> seen = calls_of(evidence_, controller.controller);
@@ -494,6 +502,7 @@ Result<AuditReport> Audit::run() {
   const auto only = options_.realtime       ? &Audit::run_realtime
                     : options_.instructions ? &Audit::run_instructions
                     : options_.coverage     ? &Audit::run_coverage
+                    : options_.orders > 0   ? &Audit::run_orders
                                             : static_cast<Result<void> (Audit::*)()>(nullptr);
   if (!report_.failure && !only) REHEARSE_TRY(run_first());
   for (const AuditedLibrary& library : libraries_) {

@@ -83,6 +83,17 @@ AuditJson object_of(const ControllerAudit& controller) {
           {"library", {{"file", controller.library.string()}, {"findings", json_array(controller.code)}}}};
 }
 
+AuditJson object_of(const TriedOrders& orders) {
+  AuditJson exchanges = AuditJson::array();
+  for (const auto& [runs, before] : orders.exchanges) exchanges.push_back({{"runs", runs}, {"before", before}});
+  return {{"tried", orders.tried},
+          {"places", orders.places},
+          {"threads", orders.threads},
+          {"first", json_of(orders.first)},
+          {"exchanges", exchanges},
+          {"file", orders.file.empty() ? AuditJson(nullptr) : AuditJson(orders.file.string())}};
+}
+
 }  // namespace
 
 std::string to_json(const AuditReport& report) {
@@ -102,6 +113,7 @@ std::string to_json(const AuditReport& report) {
   object["ticks"] = report.ticks;
   object["commands"] = report.commands;
   object["replays"] = report.replays;
+  object["orders"] = report.orders ? object_of(*report.orders) : AuditJson(nullptr);
   object["remarks"] = AuditJson::array();
   for (const Diagnostic& remark : report.remarks)
     object["remarks"].push_back({{"severity", to_string(remark.severity)}, {"message", remark.message}});

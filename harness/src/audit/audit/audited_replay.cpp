@@ -15,6 +15,8 @@
 #include "core/compare/place_json.h"
 #include "core/guard/guarded_call.h"
 #include "core/host/interposer.h"
+#include "core/host/turn_order_file.h"
+#include "core/turns/scheduler.h"
 #include "executed_code_json.h"
 #include "instruction_profile.h"
 #include "outputs_file.h"
@@ -147,6 +149,11 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
   result["differs_from_recording"] = json_of_place(report->first);
   result["beyond"] = json_of_place(report->beyond);
   result["remarks"] = json_of_texts(report->remarks);
+  if (const TurnScheduler& turns = TurnScheduler::instance(); turns.order()) {
+    result["order"] = json_of_order(made_exchanges());
+    result["order"]["places"] = turns.order()->places();
+    result["order"]["threads"] = turns.thread_count();
+  }
   if (work.coverage) result["executed"] = json_of_executed_code(executed_code());
   return result;
 }
@@ -156,6 +163,7 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
 Result<void> make_audited_replay(const AuditedReplay& work) {
   end_process_at_library_crashes();
   if (work.costs) log_costs();
+  if (!work.order.empty()) REHEARSE_TRY(take_turn_order(work.order));
   if (work.padding != 0) pad_memory(work.padding);
   const fs::path folder = fs::absolute(work.folder);  // a controller may change the working folder
   AuditedReplay here = work;

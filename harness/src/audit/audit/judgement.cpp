@@ -50,14 +50,14 @@ std::optional<Divergence> difference(const ReplayPass& expected, const ReplayPas
   const bool one_failed = expected.failure.has_value() != actual.failure.has_value();
   const std::string& failure = expected.failure ? *expected.failure : actual.failure.value_or("");
   // The failure of a different controller ends this one's run as well.
-  const bool own = failure.find("'" + controller + "'") != std::string::npos;
+  const bool own = controller.empty() || failure.find("'" + controller + "'") != std::string::npos;
   auto found = first_difference(expected.outputs, actual.outputs, time_step, controller);
   if (!one_failed) return found;
   if (found && found->note.find("only one of two runs") == std::string::npos) return found;
   if (!own) return std::nullopt;
   if (!found) {
     found.emplace();
-    found->channel = "/" + controller + "/output";
+    found->channel = controller.empty() ? "" : "/" + controller + "/output";
   }
   found->note = "in one run it failed: " + failure;
   return found;

@@ -27,7 +27,8 @@ struct Evidence {
 /// The calls of one controller, or of all if it is empty, in the plain and the still replay, each once.
 std::vector<ObservedCall> calls_of(const Evidence& evidence, const std::string& controller);
 
-/// The first difference between replays for one controller. A failure in only one of two is a difference too.
+/// The first difference between replays for one controller, or for all if it is empty. A failure in only one of two is
+/// a difference too.
 std::optional<Divergence> difference(const ReplayPass& expected, const ReplayPass& actual, double time_step,
                                      const std::string& controller);
 

@@ -121,6 +121,7 @@ std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& set
                              folder_of(settings).string(), "--passes", std::to_string(settings.passes)});
   if (settings.padding != 0) words.insert(words.end(), {"--padding", std::to_string(settings.padding)});
   if (settings.fill != 0) words.insert(words.end(), {"--stack-fill", std::to_string(settings.fill ^ 0xff)});
+  if (!settings.order.empty()) words.insert(words.end(), {"--order", settings.order.string()});
   if (settings.costs) words.push_back("--costs");
   if (settings.coverage) words.push_back("--executed");
   if (settings.valgrind == ValgrindTool::callgrind) words.push_back("--profile");
@@ -250,6 +251,10 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
     if (!report.at("undefined").is_null()) pass.undefined = report.at("undefined");
     for (const Json& remark : report.at("remarks"))
       pass.remarks.push_back(remark.at("warning") ? warning(remark.at("text")) : error(remark.at("text")));
+    if (report.contains("order")) {
+      const auto& order = report.at("order");
+      pass.order = {order.at("places"), order.at("threads"), exchanges_of_json(order)};
+    }
     if (report.contains("executed")) pass.executed = executed_code_of_json(report.at("executed"));
   } catch (const Json::exception& wrong) {
     return error(fmt::format("{}: a replay's report can't be read: {}", file.string(), wrong.what()));

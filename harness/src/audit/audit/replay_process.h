@@ -14,6 +14,7 @@
 #include "call_log.h"
 #include "core/guard/child_process.h"
 #include "core/host/interposer.h"
+#include "core/host/turn_order_file.h"
 #include "outputs_file.h"
 
 namespace rehearse {
@@ -35,8 +36,16 @@ struct ReplaySettings {
   bool other_environment = false;  // replaces all variables that the audit doesn't need
   bool other_folder = false;       // works in a separate folder
   ValgrindTool valgrind = ValgrindTool::none;
-  bool costs = false;     // AuditedReplay::costs
-  bool coverage = false;  // AuditedReplay::coverage
+  std::filesystem::path order;  // AuditedReplay::order
+  bool costs = false;           // AuditedReplay::costs
+  bool coverage = false;        // AuditedReplay::coverage
+};
+
+/// The places of a pass where another thread could have come first, and where one did.
+struct PassOrder {
+  std::int64_t places = 0;
+  int threads = 1;  // the caller among them
+  std::vector<NamedExchange> made;
 };
 
 /// The result of one pass.
@@ -51,6 +60,7 @@ struct ReplayPass {
   std::string undefined;                                   // under valgrind: the first number that was never set
   Diagnostics remarks;
   std::map<std::filesystem::path, ExecutedCode> executed;  // by library, with ReplaySettings::coverage
+  std::optional<PassOrder> order;                          // of a process that was given an order
 };
 
 struct ReplayOutcome {

@@ -33,6 +33,7 @@ int owner_of(const pthread_mutex_t* mutex) { return mutex->__data.__owner; }
 /// Repeats `try_once`, which returns EBUSY while the object is taken.
 template <class Try>
 int lock(const TurnWait& wait, std::int64_t deadline, bool is_own, const Try& try_once) {
+  if (!is_own) turns().consider();
   if (is_own || !turns().is_promised(wait.object))
     if (const int result = try_once(); result != EBUSY) return result;
   for (;;) {
@@ -54,6 +55,12 @@ int unlock_mutex(pthread_mutex_t* mutex) {
   const int result = next_functions().pthread_mutex_unlock_(mutex);
   if (mutex->__data.__lock == 0) turns().wake(mutex, 1);
   return result;
+}
+
+/// Wakes up to `count` threads that wait for the object; one of them may come first.
+void wake(const void* object, int count) {
+  turns().wake(object, count);
+  turns().consider();
 }
 
 int wait_for(pthread_cond_t* condition, pthread_mutex_t* mutex, std::int64_t deadline) {
@@ -172,7 +179,9 @@ int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clock, const times
 
 int pthread_mutex_unlock(pthread_mutex_t* mutex) noexcept {
   REHEARSE_TURN(pthread_mutex_unlock, (mutex));
-  return unlock_mutex(mutex);
+  const int result = unlock_mutex(mutex);
+  turns().consider();
+  return result;
 }
 
 #define REHEARSE_RWLOCK(function, tried, parameters, arguments, deadline)                                  \
@@ -197,7 +206,7 @@ REHEARSE_RWLOCK(pthread_rwlock_clockwrlock, pthread_rwlock_trywrlock,
 int pthread_rwlock_unlock(pthread_rwlock_t* rwlock) noexcept {
   REHEARSE_TURN(pthread_rwlock_unlock, (rwlock));
   const int result = next_functions().pthread_rwlock_unlock_(rwlock);
-  turns().wake(rwlock, INT_MAX);
+  wake(rwlock, INT_MAX);
   return result;
 }
 
@@ -210,7 +219,7 @@ int pthread_spin_lock(pthread_spinlock_t* spin) noexcept {
 int pthread_spin_unlock(pthread_spinlock_t* spin) noexcept {
   REHEARSE_TURN(pthread_spin_unlock, (spin));
   const int result = next_functions().pthread_spin_unlock_(spin);
-  turns().wake(const_cast<const int*>(spin), 1);
+  wake(const_cast<const int*>(spin), 1);
   return result;
 }
 
@@ -232,13 +241,13 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
 
 int pthread_cond_signal(pthread_cond_t* condition) noexcept {
   REHEARSE_TURN(pthread_cond_signal, (condition));
-  turns().wake(condition, 1);
+  wake(condition, 1);
   return 0;
 }
 
 int pthread_cond_broadcast(pthread_cond_t* condition) noexcept {
   REHEARSE_TURN(pthread_cond_broadcast, (condition));
-  turns().wake(condition, INT_MAX);
+  wake(condition, INT_MAX);
   return 0;
 }
 
@@ -260,7 +269,7 @@ int sem_clockwait(sem_t* semaphore, clockid_t clock, const timespec* deadline) {
 int sem_post(sem_t* semaphore) noexcept {
   REHEARSE_TURN(sem_post, (semaphore));
   const int result = next_functions().sem_post_(semaphore);
-  turns().wake(semaphore, 1);
+  wake(semaphore, 1);
   return result;
 }
 
@@ -283,7 +292,7 @@ int pthread_barrier_wait(pthread_barrier_t* barrier) noexcept {
     return 0;
   }
   here.there = 0;
-  turns().wake(barrier, INT_MAX);
+  wake(barrier, INT_MAX);
   return PTHREAD_BARRIER_SERIAL_THREAD;
 }
 
@@ -379,7 +388,9 @@ int mtx_timedlock(mtx_t* mutex, const timespec* deadline) {
 
 int mtx_unlock(mtx_t* mutex) {
   REHEARSE_TURN(mtx_unlock, (mutex));
-  return result_of_thread_call(unlock_mutex(of(mutex)));
+  const int result = unlock_mutex(of(mutex));
+  turns().consider();
+  return result_of_thread_call(result);
 }
 
 int cnd_wait(cnd_t* condition, mtx_t* mutex) {
@@ -394,13 +405,13 @@ int cnd_timedwait(cnd_t* condition, mtx_t* mutex, const timespec* deadline) {
 
 int cnd_signal(cnd_t* condition) {
   REHEARSE_TURN(cnd_signal, (condition));
-  turns().wake(of(condition), 1);
+  wake(of(condition), 1);
   return thrd_success;
 }
 
 int cnd_broadcast(cnd_t* condition) {
   REHEARSE_TURN(cnd_broadcast, (condition));
-  turns().wake(of(condition), INT_MAX);
+  wake(of(condition), INT_MAX);
   return thrd_success;
 }
 

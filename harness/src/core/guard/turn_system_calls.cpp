@@ -30,7 +30,9 @@ long call_futex(const long (&given)[6]) {
   const auto mask = static_cast<std::uint32_t>(given[5]);
   const auto wake = [&](std::uint32_t bits) -> long {
     const int most = given[2] > INT_MAX || given[2] < 0 ? INT_MAX : static_cast<int>(given[2]);
-    return turns().wake(word, most, bits);
+    const int woken = turns().wake(word, most, bits);
+    turns().consider();
+    return woken;
   };
   switch (operation & FUTEX_CMD_MASK) {
     case FUTEX_WAIT: return wait_on_futex(word, value, time ? after(nanoseconds_of(*time)) : never, ~0u);
@@ -41,7 +43,7 @@ long call_futex(const long (&given)[6]) {
       if (__atomic_load_n(word, __ATOMIC_SEQ_CST) != mask) return -EAGAIN;
       [[fallthrough]];
     case FUTEX_REQUEUE: {
-      const long woken = wake(~0u);
+      const long woken = turns().wake(word, static_cast<int>(given[2]), ~0u);
       return woken + turns().requeue(word, reinterpret_cast<const void*>(given[4]), static_cast<int>(given[3]));
     }
     default: return -ENOSYS;

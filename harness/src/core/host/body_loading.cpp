@@ -43,7 +43,8 @@ class ModelLoader : public cnoid::AbstractBodyLoader {
 }  // namespace
 
 void register_body_loader() {
-  cnoid::BodyLoader::registerLoader({"body", "urdf", "wrl", "yaml", "yml"}, [] { return std::make_shared<ModelLoader>(); });
+  cnoid::BodyLoader::registerLoader({"body", "urdf", "wrl", "yaml", "yml"},
+                                    [] { return std::make_shared<ModelLoader>(); });
 }
 
 }  // namespace rehearse

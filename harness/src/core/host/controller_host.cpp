@@ -17,6 +17,7 @@
 #include "core/guard/supervisor.h"
 #include "core/turns/scheduler.h"
 #include "debug_hook.h"
+#include "turn_order_file.h"
 
 namespace rehearse {
 namespace {
@@ -440,6 +441,7 @@ void ControllerHost::keep_libraries_of_threads() {
 
 /// Reports waits for something outside of the process, and threads that take no turns, once each.
 void ControllerHost::tell_threads(HostedController& hosted) {
+  find_lines_of_exchanges();
   GuestThreads& threads = *hosted.library->threads();
   for (; hosted.reported.outside < threads.outside.size(); ++hosted.reported.outside) {
     const auto& [words, places] = threads.outside[hosted.reported.outside];

@@ -168,8 +168,8 @@ bool can_start_threads(void* handle) {
       "pthread_create", "thrd_create",
       "_ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE"};
   for (const auto& [name, library] : needed_by(handle)) {
-    const bool has_no_turns =
-        std::ranges::any_of(libraries_without_turns, [&](const char* other) { return name.starts_with(other); });
+    const bool has_no_turns = std::ranges::any_of(
+        libraries_without_turns, [&file = name](const char* other) { return file.starts_with(other); });
     if (!at_start.contains(name) && !has_no_turns && refers_to(*library, functions)) return true;
   }
   return false;

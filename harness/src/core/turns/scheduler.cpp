@@ -52,6 +52,7 @@ std::string TurnScheduler::name_of(const TurnThread& thread) const {
 }
 
 void TurnScheduler::begin_call(const ThreadCount& guest) {
+  place_ = {place_.call + 1, 0};
   if (!guest || guest->are_free || (!guest->from_start && guest->in_turns == 0)) return;
   join_in(guest);
 }
@@ -213,8 +214,9 @@ TurnThread* TurnScheduler::choose() {
   for (;;) {
     release_due();
     if (!ready_.empty()) {
-      TurnThread& thread = *ready_.front();
-      ready_.erase(ready_.begin());
+      const auto first = ready_.begin() + static_cast<std::ptrdiff_t>(first_of_ready());
+      TurnThread& thread = **first;
+      ready_.erase(first);
       const std::int64_t goes_on = thread.woken_at + (thread.was_delayed ? 0 : delay_of(thread));
       if (goes_on <= now_) return &thread;
       thread.state = State::waiting;
@@ -234,6 +236,39 @@ TurnThread* TurnScheduler::choose() {
     remove(waiting_, caller_);
     return &caller_;
   }
+}
+
+void TurnScheduler::try_order(TurnOrder order) {
+  order_ = std::move(order);
+  made_.clear();
+  place_ = {};
+}
+
+/// The index in ready_ of the thread that comes first.
+std::size_t TurnScheduler::first_of_ready() {
+  if (!order_ || ready_.size() < 2) return 0;
+  std::vector<int> numbers;
+  for (const TurnThread* thread : ready_) numbers.push_back(thread->number);
+  const OrderPlace place{place_.call, place_.number++};
+  const std::size_t first = order_->choose(place, numbers);
+  if (first == 0) return 0;
+  MadeExchange& made = made_.emplace_back();
+  made.exchange = {place, static_cast<int>(first)};
+  if (order_->is_drawn()) return first;
+  made.runs = name_of(*ready_[first]);
+  made.runs_at = places_of(*ready_[first]);
+  made.before = name_of(*ready_[0]);
+  made.before_at = places_of(*ready_[0]);
+  return first;
+}
+
+void TurnScheduler::consider() {
+  if (!order_ || ready_.empty()) return;
+  TurnThread& me = *this_turn;
+  me.wait = {"its turn", nullptr, nullptr, 0, true};
+  make_ready(me, false);
+  std::rotate(ready_.begin(), ready_.end() - 1, ready_.end());  // it comes first, unless the order says otherwise
+  pass(me);
 }
 
 /// All threads wait, the caller, too: time passes until the first goes on. False: none can.
@@ -442,19 +477,24 @@ std::string TurnScheduler::words_of(const TurnThread& thread) const {
   return words + " that a thread holds which doesn't take turns";
 }
 
+/// Where a thread waits for its turn, or this thread is.
+CodePlaces TurnScheduler::places_of(TurnThread& thread) const {
+  if (&thread == this_turn) return find_places ? find_places() : CodePlaces{};
+  thread.places = {};
+  thread.has_place = 0;
+  thread.go.store(must_state_place, std::memory_order_release);
+  wake_one(thread.go);
+  while (thread.has_place.load(std::memory_order_acquire) == 0) wait_while(thread.has_place, 0);
+  return thread.places;
+}
+
 std::vector<TurnScheduler::Stuck> TurnScheduler::stuck() {
-  std::vector<Stuck> all = {{name_of(caller_), words_of(caller_), find_places ? find_places() : CodePlaces{}}};
-  for (TurnThread* const thread : threads_) {
-    if (thread->state != State::waiting && thread->state != State::suspended) continue;
-    thread->places = {};
-    if (thread->state == State::waiting) {
-      thread->has_place = 0;
-      thread->go.store(must_state_place, std::memory_order_release);
-      wake_one(thread->go);
-      while (thread->has_place.load(std::memory_order_acquire) == 0) wait_while(thread->has_place, 0);
-    }
-    all.push_back({name_of(*thread), words_of(*thread), thread->places});
-  }
+  std::vector<Stuck> all = {{name_of(caller_), words_of(caller_), places_of(caller_)}};
+  for (TurnThread* const thread : threads_)
+    if (thread->state == State::waiting)
+      all.push_back({name_of(*thread), words_of(*thread), places_of(*thread)});
+    else if (thread->state == State::suspended)
+      all.push_back({name_of(*thread), words_of(*thread), {}});
   return all;
 }
 

@@ -16,10 +16,13 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "turn_order.h"
 
 namespace rehearse {
 
@@ -166,6 +169,22 @@ class TurnScheduler {
   /// Ends the wait of a thread that is cancelled.
   void interrupt(TurnThread& thread);
 
+  // Other orders: turn_order.h.
+
+  struct MadeExchange {
+    Exchange exchange;
+    std::string runs, before;  // the names of the threads; empty in an order that is drawn
+    CodePlaces runs_at{}, before_at{};
+  };
+  /// The order of the next run.
+  void try_order(TurnOrder order);
+  const TurnOrder* order() const { return order_ ? &*order_ : nullptr; }
+  std::vector<MadeExchange>& made() { return made_; }
+  /// The number of threads of the run so far, the caller among them.
+  int thread_count() const { return started_ + 1; }
+  /// A lock, or a wake-up of others: another thread may come first, if an order is tried.
+  void consider();
+
   // Timers that count in a descriptor (timerfd): timers.cpp.
 
   struct Timer {
@@ -195,6 +214,8 @@ class TurnScheduler {
   TurnScheduler() = default;
   void pass(TurnThread& me);
   TurnThread* choose();
+  std::size_t first_of_ready();
+  CodePlaces places_of(TurnThread& thread) const;
   bool pass_time();
   void make_ready(TurnThread& thread, bool timed_out);
   void release_due();
@@ -224,6 +245,9 @@ class TurnScheduler {
   std::int64_t now_ = 0, base_ = 0;  // [ns]
   std::int64_t until_ = 0;           // while the caller rests: the time to which simulated time goes on [ns]
   bool is_stuck_ = false;
+  std::optional<TurnOrder> order_;
+  std::vector<MadeExchange> made_;
+  OrderPlace place_;  // the next one
 };
 
 }  // namespace rehearse
