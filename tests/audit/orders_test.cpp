@@ -100,7 +100,8 @@ INSTANTIATE_TEST_SUITE_P(Of, OrderedGuest, ::testing::ValuesIn(guests), by_name)
 
 TEST_F(Audited, SaysThatAControllerWithoutThreadsHasOneOrder) {
   const Outcome outcome = done({"audit", scenario("good_own_generator").string(), "--orders", "5"});
-  EXPECT_EQ(outcome.out, "Pendulum/Zoo has one order of threads: at no place are several ready\n");
+  EXPECT_EQ(outcome.out,
+            "there is no other order to try: at no place are several threads of Pendulum/Zoo ready that take turns\n");
 }
 
 /// Nothing is said of an order if the commands differ without one.
@@ -121,6 +122,9 @@ TEST_F(Audited, RefusesAFileThatIsNoOrder) {
   EXPECT_THAT(outcome.err, HasSubstr("wrong.json isn't the file of an order of threads"));
   const Outcome audit = rehearse({"audit", "run.mcap", "--orders", "5", "-o", "wrong.json"});
   EXPECT_EQ(audit.status, 2) << "it is left alone";
+  const Outcome beside = rehearse({"replay", "run.mcap", "--order", "wrong.json", "--coverage"});
+  EXPECT_EQ(beside.status, 2);
+  EXPECT_THAT(beside.err, HasSubstr("these replay in the usual order"));
 }
 
 }  // namespace

@@ -141,6 +141,10 @@ Result<void> check_usage(const ReplaySettings& settings) {
        settings.debugger.is_wanted() || !settings.output.empty() || settings.span.from))
     return error("--beside compares two libraries in whole recordings, or with --until in the beginning of one",
                  "leave out the other options that choose what replay does");
+  if (!settings.order.empty() &&
+      (settings.is_of_a_log() || settings.instructions || settings.coverage || !settings.beside.empty()))
+    return error("--order with --beside, --instructions, --coverage or a robot's log: these replay in the usual order",
+                 "leave one of them out");
   if (!settings.is_of_a_log()) {
     if (!settings.scenario.empty()) return error("--scenario is for a robot's log, with --model and --map");
     if (!settings.controller.empty())

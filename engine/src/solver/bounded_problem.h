@@ -9,11 +9,11 @@
 // Sun, A nonsmooth version of Newton's method, Mathematical Programming 58, 1993).
 //
 // Contacts near their limit of friction can make these steps repeat themselves. Then the path of C. Lemke (Bimatrix
-// Equilibrium Points and Mathematical Programming, Management Science 11, 1965) is followed: b - t d for b. For a large
-// t all rows with bounds are at one. Between the values of t where a row comes to a bound or leaves it, x is linear in
-// t. The path turns where it must, and ends with t = 0: contacts with friction always have a solution there (M.
-// Anitescu and F. Potra, Formulating Dynamic Multi-Rigid-Body Contact Problems with Friction, Nonlinear Dynamics 14,
-// 1997).
+// Equilibrium Points and Mathematical Programming, Management Science 11, 1965) is followed. It solves A x + s = b - t
+// d for changing t, with a constant d. For a large t each row that has bounds is at one of them. x is linear in t up to
+// the value at which a row comes to a bound or leaves it. There the next part begins, in which t falls or rises. The
+// last part ends with t = 0: contacts with friction have a solution there (M. Anitescu and F. Potra, Formulating
+// Dynamic Multi-Rigid-Body Contact Problems with Friction, Nonlinear Dynamics 14, 1997).
 #pragma once
 
 #include <cstddef>

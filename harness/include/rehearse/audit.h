@@ -29,7 +29,7 @@ struct AuditOptions : HostOptions {
   bool instructions = false;    // only the instructions of control() are counted, in one replay under callgrind
   bool coverage = false;        // only the executed code is found, in one replay with breakpoints
   int orders = 0;               // only so many other orders of threads are tried, unless it is 0
-  /// With `orders`: receives the order that changes a command. It may not exist yet.
+  /// With `orders`: receives the order that changes a command, and is replaced if it exists.
   std::filesystem::path order_file;
   /// The controllers get simulated time and seeded random numbers in all runs, instead of the system's.
   bool virtualise = false;

@@ -385,7 +385,7 @@ Result<void> Audit::run_coverage() {
 
 /// Replaces all other examinations.
 Result<void> Audit::run_orders() {
-  tell("replaying in other orders", options_.orders + 2);
+  tell("replaying in other orders", options_.orders + 2);  // less if one is found, and more to reduce it
   return try_orders(*processes_, options_, report_, [this](const ReplayPass& pass) { take_first(pass); });
 }
 

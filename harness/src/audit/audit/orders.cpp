@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/chance.h"
+#include "base/names.h"
 #include "experiments.h"
 #include "judgement.h"
 
@@ -22,7 +23,7 @@ constexpr int at_once = 8;              // orders between two looks at the resul
 constexpr int most_changes = 2;         // of priorities
 constexpr std::size_t most_runs = 400;  // to reduce an order
 
-Result<void> write(const fs::path& file, const nlohmann::ordered_json& json) {
+Result<void> write_order(const fs::path& file, const nlohmann::ordered_json& json) {
   std::ofstream stream(file);
   stream << json.dump(1) << "\n";
   stream.close();
@@ -65,7 +66,7 @@ Result<std::vector<ReplayPass>> Orders::replay(const std::vector<nlohmann::order
     ReplaySettings& settings = all.emplace_back(plain_replay(options_));
     settings.name = fmt::format("order_{}", ++runs_);
     settings.order = options_.scratch / (settings.name + ".json");
-    REHEARSE_TRY(write(settings.order, order));
+    REHEARSE_TRY(write_order(settings.order, order));
   }
   auto outcomes = REHEARSE_TRY(processes_.run(all));
   report_.replays += static_cast<int>(outcomes.size());
@@ -143,10 +144,9 @@ Result<Exchanges> Orders::reduced(Exchanges exchanges) {
 }
 
 std::string Orders::names() const {
-  std::string text;
-  for (std::size_t i = 0; i < report_.controllers.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == report_.controllers.size() ? " and " : ", ") + report_.controllers[i].controller;
-  return text;
+  std::vector<std::string> all;
+  for (const ControllerAudit& controller : report_.controllers) all.push_back(controller.controller);
+  return listed(all, all.size());
 }
 
 void Orders::conclude(const ReplayPass& pass) {
@@ -170,17 +170,20 @@ std::string percent(double probability) {
   return probability > 0.999 ? "over 99.9 %" : fmt::format("{:.2g} %", 100.0 * probability);
 }
 
-/// States the probabilities with which a difference would have been found that needs no change of priorities, or one.
+/// States the least probabilities with which a difference would have been found that needs no change of priorities, or
+/// one: the orders without a change find the first, those with one the second.
 void Orders::conclude_same() {
   const double threads = tried().threads, places = static_cast<double>(tried().places);
-  const auto found = [](double in_one, int orders) { return percent(1.0 - std::pow(1.0 - in_one, orders)); };
-  const int with_change = tried().tried - (tried().tried + most_changes) / (most_changes + 1);
+  const auto found = [&](double in_one, int changes) {
+    const int orders = (tried().tried + most_changes - changes) / (most_changes + 1);
+    return percent(1.0 - std::pow(1.0 - in_one, orders));
+  };
   report_.verdict = fmt::format(
       "{} gave the same {} commands, bit for bit, in {} other orders of {} threads, at {} places where another one may "
-      "come first; a difference is found with a probability of {} if it needs other priorities, of {} if it needs a "
-      "change of them at one place",
-      names(), report_.commands, tried().tried, tried().threads, tried().places, found(1.0 / threads, tried().tried),
-      found(1.0 / (threads * places), with_change));
+      "come first; a difference is found with a probability of at least {} if it needs other priorities, of {} if it "
+      "needs a change of them at one place",
+      names(), report_.commands, tried().tried, tried().threads, tried().places, found(1.0 / threads, 0),
+      found(1.0 / (threads * places), 1));
 }
 
 Result<void> Orders::run(const std::function<void(const ReplayPass&)>& take_first) {
@@ -200,15 +203,14 @@ Result<void> Orders::run(const std::function<void(const ReplayPass&)>& take_firs
   if (const auto differs = difference_of(passes[1])) {
     report_.deterministic = false;
     report_.verdict = fmt::format(
-        "unknown: in one order of threads {} of {} differs at tick {} from replay to replay, so another cause has to "
-        "be "
-        "found first, by an audit without orders",
+        "unknown: in one order of threads {} of {} differs at tick {} from replay to replay; an audit without --orders "
+        "looks for the cause",
         differs->element, differs->channel, differs->tick);
     return {};
   }
   if (tried().places == 0) {
-    report_.verdict = fmt::format("{} {} one order of threads: at no place are several ready", names(),
-                                  report_.controllers.size() == 1 ? "has" : "have");
+    report_.verdict = fmt::format(
+        "there is no other order to try: at no place are several threads of {} ready that take turns", names());
     return {};
   }
   auto found = REHEARSE_TRY(find());
@@ -225,12 +227,12 @@ Result<void> Orders::run(const std::function<void(const ReplayPass&)>& take_firs
   auto again = REHEARSE_TRY(replay({order, order}));
   if (!difference_of(again[0]) || difference(again[0], again[1], report_.time_step, "")) {
     report_.deterministic = false;
-    report_.verdict = fmt::format("unknown: order {} gave other commands once, and doesn't repeat them", found->first);
+    report_.verdict = fmt::format("unknown: order {} gave other commands once, and doesn't repeat them", tried().tried);
     return {};
   }
   if (again[0].order && !again[0].order->made.empty()) order = json_of_order(again[0].order->made);
   conclude(again[0]);
-  return tried().file.empty() ? Result<void>() : write(tried().file, order);
+  return tried().file.empty() ? Result<void>() : write_order(tried().file, order);
 }
 
 }  // namespace

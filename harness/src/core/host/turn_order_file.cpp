@@ -72,9 +72,9 @@ Result<void> take_turn_order(const std::filesystem::path& file) {
 
 void find_lines_of_exchanges() {
   std::vector<TurnScheduler::MadeExchange>& all = TurnScheduler::instance().made();
-  for (auto made = all.rbegin(); made != all.rend() && made->runs_at[0]; ++made) {
-    made->runs = named(made->runs, std::exchange(made->runs_at, {}));
-    made->before = named(made->before, std::exchange(made->before_at, {}));
+  for (auto made = all.rbegin(); made != all.rend() && !std::exchange(made->has_lines, true); ++made) {
+    made->runs = named(made->runs, made->runs_at);
+    made->before = named(made->before, made->before_at);
   }
 }
 

@@ -175,6 +175,7 @@ class TurnScheduler {
     Exchange exchange;
     std::string runs, before;  // the names of the threads; empty in an order that is drawn
     CodePlaces runs_at{}, before_at{};
+    bool has_lines = false;  // the names contain the lines of these places
   };
   /// The order of the next run.
   void try_order(TurnOrder order);
