@@ -213,15 +213,16 @@ Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::pa
   return std::unique_ptr<mcap::Writer>(std::move(writer));
 }
 
-bool writes_pending(const mcap::Writer& writer) { return dynamic_cast<const RemoteWriter*>(&writer) != nullptr; }
+/// The writer that sends its messages to a supervisor; null: this process writes the recording.
+static RemoteWriter* remote_of(mcap::Writer& writer) { return dynamic_cast<RemoteWriter*>(&writer); }
 
-PendingMessages::PendingMessages(mcap::Writer& writer) : writer_(writer) {
-  static_cast<RemoteWriter&>(writer_).set_pending(true);
-}
-PendingMessages::~PendingMessages() { static_cast<RemoteWriter&>(writer_).set_pending(false); }
+bool writes_pending(mcap::Writer& writer) { return remote_of(writer) != nullptr; }
+
+PendingMessages::PendingMessages(mcap::Writer& writer) : writer_(writer) { remote_of(writer_)->set_pending(true); }
+PendingMessages::~PendingMessages() { remote_of(writer_)->set_pending(false); }
 
 void add_metadata_at_failure(mcap::Writer& writer, std::string_view name, const mcap::StringMap& values) {
-  if (auto* const remote = dynamic_cast<RemoteWriter*>(&writer)) remote->add_metadata_at_failure(name, values);
+  if (RemoteWriter* const remote = remote_of(writer)) remote->add_metadata_at_failure(name, values);
 }
 
 }  // namespace rehearse

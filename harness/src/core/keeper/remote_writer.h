@@ -25,7 +25,7 @@ void share_recordings_with_forks(bool shared);
 Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file);
 
 /// True if a supervisor writes this recording.
-bool writes_pending(const mcap::Writer& writer);
+bool writes_pending(mcap::Writer& writer);
 
 /// Messages that are written in its lifetime are pending: the supervisor writes them only if the process ends before
 /// the next message on /tick. They replace those that were pending before. The Writer must be one that
