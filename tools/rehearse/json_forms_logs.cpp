@@ -61,6 +61,7 @@ const Form& replay_tick_form() {
                      member("messages", types::array(types::of(tick_message_form))),
                      member("contacts", types::array(types::of(tick_contact_form))),
                      member("pictures", types::array(types::of(tick_picture_form))),
+                     member("threads", types::array(types::string())),
                      member("differences", types::array(difference_type())), member("remarks", findings_type())}});
   return form;
 }

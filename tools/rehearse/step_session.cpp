@@ -70,6 +70,7 @@ const std::vector<StepSession::Command>& StepSession::commands() {
       {"commands", "", "", "the commands of the controllers in this tick", &S::commanded},
       {"messages", "m", "", "the messages in this tick", &S::messages},
       {"contacts", "", "", "the contacts in this tick", &S::contacts},
+      {"threads", "", "", "the threads of controllers after this tick, and what each waits for", &S::threads},
       {"diff", "d", "", "the differences of the commands from the recording in this tick", &S::differences},
       {"plot", "", "SERIES [FROM UNTIL]", "a picture of a series around this tick, or between two places", &S::plot,
        true},
@@ -320,14 +321,14 @@ StepSession::Answer StepSession::info(Words rest) {
 
 StepSession::Answer StepSession::inputs(Words) {
   TickParts parts;
-  parts.outputs = parts.rest = parts.messages = parts.contacts = parts.differences = false;
+  parts.outputs = parts.rest = parts.messages = parts.contacts = parts.threads = parts.differences = false;
   fmt::print("{}", text_of(trace_.view(tick_), parts));
   return Answer::done;
 }
 
 StepSession::Answer StepSession::commanded(Words) {
   TickParts parts;
-  parts.inputs = parts.rest = parts.messages = parts.contacts = false;
+  parts.inputs = parts.rest = parts.messages = parts.contacts = parts.threads = false;
   fmt::print("{}", text_of(trace_.view(tick_), parts));
   return Answer::done;
 }
@@ -343,6 +344,13 @@ StepSession::Answer StepSession::contacts(Words) {
   const auto all = trace_.contacts(tick_);
   if (all.empty()) fmt::print("there is no contact\n");
   for (const ViewContact& contact : all) fmt::print("  {}\n", contact_text(contact));
+  return Answer::done;
+}
+
+StepSession::Answer StepSession::threads(Words) {
+  const auto all = trace_.threads(tick_);
+  if (all.empty()) fmt::print("no thread of a controller takes turns in tick {}\n", tick_);
+  for (const std::string& thread : all) fmt::print("  {}\n", plain_text(thread));
   return Answer::done;
 }
 

@@ -55,6 +55,7 @@ class StepSession {
   Answer commanded(Words rest);
   Answer messages(Words rest);
   Answer contacts(Words rest);
+  Answer threads(Words rest);
   Answer differences(Words rest);
   Answer plot(Words rest);
   Answer frame(Words rest);

@@ -296,6 +296,10 @@ std::string text_of(const TickView& view, const TickParts& parts) {
     for (const ViewContact& contact : view.contacts) lines.push_back(contact_text(contact));
   add("contacts", lines);
   lines.clear();
+  if (parts.threads)
+    for (const std::string& thread : view.threads) lines.push_back(plain_text(thread));
+  add("threads", lines);
+  lines.clear();
   if (parts.messages)
     for (const ViewMessage& message : view.messages) lines.push_back(message_text(message));
   add("messages", lines);
@@ -336,8 +340,9 @@ Json json_of(const TickView& view, const TickParts& parts) {
   for (const ViewPicture& picture : view.pictures)
     pictures.push_back({{"topic", picture.topic}, {"bytes", picture.bytes}});
   for (const Divergence& difference : view.differences) differences.push_back(rehearse::json_of(difference));
-  return {{"tick", view.tick},    {"time", view.time},    {"replayed", view.is_replayed}, {"channels", channels},
-          {"messages", messages}, {"contacts", contacts}, {"pictures", pictures},         {"differences", differences}};
+  return {{"tick", view.tick},    {"time", view.time},       {"replayed", view.is_replayed},
+          {"channels", channels}, {"messages", messages},    {"contacts", contacts},
+          {"pictures", pictures}, {"threads", view.threads}, {"differences", differences}};
 }
 
 }  // namespace rehearse::tool

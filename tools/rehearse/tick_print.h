@@ -15,7 +15,7 @@ namespace rehearse::tool {
 struct TickParts {
   bool full = false;              // also values that haven't changed, and all elements of long arrays
   std::vector<std::string> only;  // names of series; empty: all
-  bool inputs = true, outputs = true, rest = true, messages = true, contacts = true, differences = true;
+  bool inputs = true, outputs = true, rest = true, messages = true, contacts = true, threads = true, differences = true;
 };
 
 /// "tick 1200, 1.2 s".

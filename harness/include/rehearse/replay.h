@@ -61,6 +61,9 @@ struct ReplayOptions : HostOptions {
   /// Called with each variable that a controller set in a tick (rehearse_variable.h), after on_outputs; null: never
   /// called. `series` as in a recording: SR1/Walker/variable/phase.
   std::function<void(std::int64_t tick, const std::string& series, double value)> on_variable;
+  /// Called after each tick, if threads of controllers take turns, with a sentence for each: "threads.cpp:88: 'planner'
+  /// waits for a condition"; null: never called.
+  std::function<void(std::int64_t tick, const std::vector<std::string>&)> on_threads;
   /// Called with each event of the replay when it happens, and with each line of a controller (severity note, the
   /// controller is the source); null: never called. Events of initialize() and start() have tick 0.
   std::function<void(const msg::Event&)> on_event;

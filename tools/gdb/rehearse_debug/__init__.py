@@ -6,6 +6,7 @@ values     reads C++ objects: strings, vectors, Eigen's types
 printers   pretty printers of Eigen's and cnoid's types
 tables     inputs and commands of the controller that is being called
 stack      the call stack, for reports
+threads    the threads of controllers, by turns
 state      the numbers that a controller's object holds
 lines      the lines that a call of control() executes
 lockstep   two libraries of a controller side by side

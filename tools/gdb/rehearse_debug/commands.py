@@ -5,7 +5,7 @@ from typing import Optional
 
 import gdb
 
-from . import lockstep, place, stack, tables, travel, writes
+from . import lockstep, place, stack, tables, threads, travel, writes
 
 # The controller that the user selected: NAME or BODY/NAME; empty: the first that is called in a tick.
 _chosen = ""
@@ -62,6 +62,7 @@ class Prefix(gdb.Command):
     rehearse-commands       what it has commanded so far
     rehearse-write NUMBER   to the line that changes a command or a variable
     rehearse-stack          its call stack with source lines, as JSON
+    rehearse-threads        its threads: which one has the turn, and what the others wait for
 
     Bodies, links, devices, value trees, and Eigen's vectors and matrices are printed as what they mean; `print /r`
     shows them raw."""
@@ -181,6 +182,21 @@ class Stack(gdb.Command):
         gdb.write((stack.as_json(*writes.last(now, element)) if element else stack.as_json(stack.frames())) + "\n")
 
 
+class Threads(gdb.Command):
+    """rehearse-threads: the threads of controllers, each with the line at which it is and what it waits for.
+
+    A star marks the one that has the turn: all others stand still until it waits. N is gdb's number of the thread, for
+    `thread N`."""
+
+    def __init__(self) -> None:
+        super().__init__("rehearse-threads", gdb.COMMAND_STATUS, gdb.COMPLETE_NONE)
+
+    def invoke(self, argument: str, from_tty: bool) -> None:
+        _one_word(argument)
+        _here()
+        gdb.write(threads.table())
+
+
 class Lockstep(gdb.Command):
     """rehearse-lockstep REQUEST RESULT: what `rehearse replay --beside` does; both are files of JSON."""
 
@@ -216,7 +232,7 @@ class Start(gdb.Command):
 
 
 def register() -> None:
-    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Write, Stack, Lockstep, Start):
+    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Write, Stack, Threads, Lockstep, Start):
         command()
     # the signal by which the watchdog (guarded_call.cpp) ends a call; it does so only without a debugger
     gdb.execute("handle SIGXCPU nostop noprint pass", to_string=True)

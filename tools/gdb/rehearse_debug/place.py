@@ -4,11 +4,12 @@ They are read as bytes, so that no debug information of Rehearse is needed.
 """
 
 import struct
-from typing import NamedTuple, Optional
+from typing import List, NamedTuple, Optional
 
 import gdb
 
 _LAYOUT = struct.Struct("<qqdQQQQQ")
+_THREAD = struct.Struct("<qqqQQ")
 
 
 class Place(NamedTuple):
@@ -67,6 +68,32 @@ def here() -> Optional[Place]:
         return Place(run, tick, time, _text_at(controller), _text_at(function), *addresses)
     except gdb.error:
         return None
+
+
+class Turn(NamedTuple):
+    """DebugThread, with its texts read."""
+
+    tid: int
+    number: int  # 0: the thread of the calls
+    has_turn: bool
+    name: str  # "'planner'"
+    waits_for: str
+
+
+def _turn_of(tid: int, number: int, has_turn: int, name: int, waits_for: int) -> Turn:
+    text = _text_at(name)
+    shown = f"'{text}'" if text else f"thread {number}"
+    return Turn(tid, number, has_turn != 0, shown if number else "the call itself", _text_at(waits_for))
+
+
+def turns() -> List[Turn]:
+    """The threads that take turns, that of the calls first; empty: none does."""
+    address = _address_of("rehearse_threads") if is_running() else None
+    if address is None:
+        return []
+    count = int(gdb.parse_and_eval("((long (*)()) rehearse_list_threads)()"))
+    memory = bytes(gdb.selected_inferior().read_memory(address, count * _THREAD.size)) if count else b""
+    return [_turn_of(*fields) for fields in _THREAD.iter_unpack(memory)]
 
 
 def stop_from(run: int, tick: int) -> None:

@@ -14,6 +14,10 @@ FOLDERS_OF_LIBRARIES = ("/usr/include/", "/usr/lib/", "/eigen3/", "/include/cnoi
 _THUNKS = ("non-virtual thunk to ", "virtual thunk to ")
 
 
+def is_of_a_library(symtab: gdb.Symtab) -> bool:
+    return any(folder in symtab.fullname() for folder in FOLDERS_OF_LIBRARIES)
+
+
 class Target(NamedTuple):
     """The place where gdb stops."""
 

@@ -83,7 +83,7 @@ struct ThreadFailure {
 } thread_failure;
 
 /// What the threads of the last deadlock wait for.
-std::vector<TurnScheduler::Stuck>& stuck_threads = *new std::vector<TurnScheduler::Stuck>;
+std::vector<TurnScheduler::Waiting>& stuck_threads = *new std::vector<TurnScheduler::Waiting>;
 
 volatile sig_atomic_t dies_in_library = 0;  // see end_process_at_library_crashes()
 
@@ -552,13 +552,21 @@ void prepare_turns() {
   };
 }
 
+static std::string sentence_of(const TurnScheduler::Waiting& waiting) {
+  const auto line = source_line_of(waiting.places);
+  return fmt::format("{}{} waits for {}", line ? line->text() : "", waiting.thread, waiting.waits_for);
+}
+
 std::string describe_deadlock() {
   std::string text = "never goes on, because its threads wait for each other";
-  for (const TurnScheduler::Stuck& stuck : stuck_threads) {
-    const auto line = source_line_of(stuck.places);
-    text += fmt::format("; {}{} waits for {}", line ? line->text() : "", stuck.thread, stuck.waits_for);
-  }
+  for (const TurnScheduler::Waiting& waiting : stuck_threads) text += "; " + sentence_of(waiting);
   return text;
+}
+
+std::vector<std::string> describe_threads_at_rest() {
+  std::vector<std::string> all;
+  for (const TurnScheduler::Waiting& waiting : TurnScheduler::instance().at_rest()) all.push_back(sentence_of(waiting));
+  return all;
 }
 
 void leave_guarded_call(const char* deed) {

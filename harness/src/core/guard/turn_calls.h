@@ -39,5 +39,7 @@ void prepare_turns();
 
 /// What the threads wait for in a deadlock, with their lines: the end of a message.
 std::string describe_deadlock();
+/// Between two calls: "threads.cpp:88: 'planner' waits for a condition", for each thread that takes turns.
+std::vector<std::string> describe_threads_at_rest();
 
 }  // namespace rehearse

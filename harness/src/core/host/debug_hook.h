@@ -27,11 +27,25 @@ struct DebugPlace {
   cnoid::Body* body = nullptr;                // its body; null until initialize()
 };
 
+/// A thread of a controller that takes turns, or the thread of the calls. Likewise.
+struct DebugThread {
+  long tid = 0;     // the kernel's number
+  long number = 0;  // 1, 2, ...: in the order of their start; 0: the thread of the calls
+  long has_turn = 0;
+  const char* name = nullptr;
+  const char* waits_for = nullptr;
+};
+
 }  // namespace rehearse
 
 extern "C" {
 
 extern rehearse::DebugPlace rehearse_now;
+
+/// Writes the threads into rehearse_threads. Returns their number; 0: none takes turns. A debugger may call it
+/// anywhere.
+long rehearse_list_threads();
+extern rehearse::DebugThread rehearse_threads[64];
 
 /// Set by a debugger: rehearse_at_tick() is called from that tick on, in that run and all later ones.
 extern volatile long rehearse_stop_run;

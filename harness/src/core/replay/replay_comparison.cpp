@@ -12,6 +12,7 @@
 
 #include "base/clock.h"
 #include "core/compare/compare_variables.h"
+#include "core/guard/turn_calls.h"
 #include "core/kinds/channel_name.h"
 #include "core/trace/run_facts.h"
 
@@ -75,6 +76,8 @@ Result<void> ReplayComparison::emit(const TickData& now) {
 
 void ReplayComparison::report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row) {
   if (options_.on_outputs) options_.on_outputs(tick, row);
+  if (options_.on_threads)
+    if (const auto threads = describe_threads_at_rest(); !threads.empty()) options_.on_threads(tick, threads);
   if (!options_.on_variable) return;
   for (const HostedController& hosted : host_.controllers())
     for (const ControllerVariables::Variable& variable : hosted.variables.all())

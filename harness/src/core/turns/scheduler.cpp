@@ -468,6 +468,7 @@ bool TurnScheduler::take_arrivals() {
 }
 
 std::string TurnScheduler::words_of(const TurnThread& thread) const {
+  if (thread.is_delayed) return "its delay";
   std::string words = thread.wait.words;
   const int owner = thread.wait.owner ? *thread.wait.owner : 0;
   if (owner == 0) return words;
@@ -488,14 +489,37 @@ CodePlaces TurnScheduler::places_of(TurnThread& thread) const {
   return thread.places;
 }
 
-std::vector<TurnScheduler::Stuck> TurnScheduler::stuck() {
-  std::vector<Stuck> all = {{name_of(caller_), words_of(caller_), places_of(caller_)}};
+std::vector<TurnScheduler::Waiting> TurnScheduler::stuck() {
+  std::vector<Waiting> all = {{name_of(caller_), words_of(caller_), places_of(caller_)}};
   for (TurnThread* const thread : threads_)
     if (thread->state == State::waiting)
       all.push_back({name_of(*thread), words_of(*thread), places_of(*thread)});
     else if (thread->state == State::suspended)
       all.push_back({name_of(*thread), words_of(*thread), {}});
   return all;
+}
+
+std::vector<TurnScheduler::Waiting> TurnScheduler::at_rest() {
+  std::vector<Waiting> all;
+  for (TurnThread* const thread : threads_) {
+    if (thread->is_lost || thread->state == State::ended) continue;
+    const bool can_answer = thread->state == State::waiting || thread->state == State::ready;
+    all.push_back({name_of(*thread), words_of(*thread), can_answer ? places_of(*thread) : CodePlaces{}});
+  }
+  return all;
+}
+
+std::size_t TurnScheduler::list(std::span<Listed> list) const {
+  std::size_t count = 0;
+  const TurnThread* const running = running_.load();
+  const auto add = [&](const TurnThread& thread) {
+    if (count < list.size())
+      list[count++] = {thread.tid, thread.number, &thread == running, thread.name,
+                       thread.state == State::resting ? "the others" : thread.wait.words};
+  };
+  add(caller_);
+  for (const TurnThread* const thread : threads_) add(*thread);
+  return count;
 }
 
 }  // namespace rehearse

@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -204,12 +205,25 @@ class TurnScheduler {
   /// Returns the name of a function; empty: it isn't known.
   std::string (*name_of_function)(const void* function) = nullptr;
 
-  struct Stuck {
+  struct Waiting {
     std::string thread, waits_for;
     CodePlaces places{};
   };
   /// What the threads wait for, the caller first. Called by the caller in a deadlock.
-  std::vector<Stuck> stuck();
+  std::vector<Waiting> stuck();
+  /// What the threads wait for between two calls, in the order of their start.
+  std::vector<Waiting> at_rest();
+
+  struct Listed {
+    long tid = 0;  // the kernel's number
+    int number = 0;
+    bool has_turn = false;
+    const char* name = "";  // empty: it has none
+    const char* waits_for = "";
+  };
+  /// The threads, the caller first, into `list`. Returns their number there. Allocates nothing: a debugger may call it
+  /// anywhere.
+  std::size_t list(std::span<Listed> list) const;
 
  private:
   TurnScheduler() = default;

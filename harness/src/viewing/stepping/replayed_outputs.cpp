@@ -66,6 +66,7 @@ class ReplayedOutputs::Writing {
       : outputs_(outputs), writer_(writer), time_step_(time_step) {
     outputs.differences_ = writer.add_channel(0, "/differences", "");
     outputs.events_ = writer.add_channel(0, run_topics::events, "cdr");
+    outputs.threads_ = writer.add_channel(0, "/threads", "cdr");
   }
 
   void add(const Divergence& found) {
@@ -73,6 +74,14 @@ class ReplayedOutputs::Writing {
     pending_.push_back({place_of(found), found.tick, found.expected, found.actual});
   }
   void add(const msg::Event& event) { write(outputs_.events_, event.tick, event); }
+  void add_threads(std::int64_t tick, const std::vector<std::string>& sentences) {
+    for (const std::string& sentence : sentences) {
+      msg::Event event;
+      event.tick = tick;
+      event.text = sentence;
+      write(outputs_.threads_, tick, event);
+    }
+  }
   void add_variable(std::int64_t tick, const std::string& series, double value) {
     const auto [entry, is_new] = variables_.try_emplace(series, std::uint16_t{0});
     if (is_new) {
@@ -139,6 +148,9 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
   replaying.on_variable = [&writing](std::int64_t tick, const std::string& series, double value) {
     writing.add_variable(tick, series, value);
   };
+  replaying.on_threads = [&writing](std::int64_t tick, const std::vector<std::string>& sentences) {
+    writing.add_threads(tick, sentences);
+  };
   replaying.on_event = [&writing](const msg::Event& event) { writing.add(event); };
   const Result<ReplayReport> report = replay_recording(trace, scenario, replaying, Damage::tolerate);
   writing.flush();
@@ -191,14 +203,24 @@ std::vector<Divergence> ReplayedOutputs::differences(std::uint64_t time) const {
   return all;
 }
 
-std::vector<msg::Event> ReplayedOutputs::events(std::uint64_t time) const {
+static std::vector<msg::Event> events_at(MessageFinder* finder, std::uint16_t channel, std::uint64_t time) {
   std::vector<msg::Event> all;
-  if (!finder_) return all;
-  for (const MessageFinder::Found& found : finder_->at(events_, time)) {
+  if (!finder) return all;
+  for (const MessageFinder::Found& found : finder->at(channel, time)) {
     CdrReader reader(found.data);
     msg::Event event;
     if (msg::decode(reader, event)) all.push_back(std::move(event));
   }
+  return all;
+}
+
+std::vector<msg::Event> ReplayedOutputs::events(std::uint64_t time) const {
+  return events_at(finder_.get(), events_, time);
+}
+
+std::vector<std::string> ReplayedOutputs::threads(std::uint64_t time) const {
+  std::vector<std::string> all;
+  for (msg::Event& event : events_at(finder_.get(), threads_, time)) all.push_back(std::move(event.text));
   return all;
 }
 

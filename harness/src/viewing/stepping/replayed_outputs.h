@@ -40,6 +40,8 @@ class ReplayedOutputs {
   std::vector<Divergence> differences(std::uint64_t time) const;
   /// The messages of the controllers in the tick, and the messages about them.
   std::vector<msg::Event> events(std::uint64_t time) const;
+  /// A sentence for each thread that took turns, after the tick.
+  std::vector<std::string> threads(std::uint64_t time) const;
   bool differs_at(std::uint64_t time) const;
   /// The log time of the nearest tick with a difference after that time (or before it, backwards).
   std::optional<std::uint64_t> difference_beside(std::uint64_t time, Direction direction) const;
@@ -56,7 +58,7 @@ class ReplayedOutputs {
   double time_step_ = 0.0;
   std::vector<Place> places_;  // a difference in the file has the index of its place
   std::unique_ptr<MessageFinder> finder_;
-  std::uint16_t differences_ = 0, events_ = 0;  // channels
+  std::uint16_t differences_ = 0, events_ = 0, threads_ = 0;  // channels
   std::optional<std::int64_t> last_tick_;
   std::optional<Diagnostic> failure_;
   Diagnostics remarks_;

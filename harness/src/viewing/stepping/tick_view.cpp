@@ -101,9 +101,12 @@ TickView SteppedTrace::view(std::int64_t tick) {
   }
   view.messages = messages(tick);
   view.contacts = contacts(tick);
+  view.threads = threads(tick);
   view.differences = differences(tick);
   return view;
 }
+
+std::vector<std::string> SteppedTrace::threads(std::int64_t tick) { return impl_->replayed_->threads(impl_->ns(tick)); }
 
 std::vector<ViewMessage> SteppedTrace::messages(std::int64_t tick) {
   using Where = ViewMessage::Where;

@@ -92,6 +92,7 @@ struct TickView {
   std::vector<ViewMessage> messages;
   std::vector<ViewContact> contacts;
   std::vector<ViewPicture> pictures;
+  std::vector<std::string> threads;  // of controllers, after the tick: "walk.cpp:88: 'planner' waits for a condition"
   std::vector<Divergence> differences;  // differences of the controllers from the recording
 };
 
@@ -124,6 +125,8 @@ class SteppedTrace : public ExpressionSource {
   TickView view(std::int64_t tick);
   std::vector<ViewMessage> messages(std::int64_t tick);
   std::vector<ViewContact> contacts(std::int64_t tick);
+  /// TickView::threads.
+  std::vector<std::string> threads(std::int64_t tick);
   std::vector<Divergence> differences(std::int64_t tick);
   /// The nearest tick after (or before) that tick in which the controllers begin to differ, a message is written, or a
   /// contact begins or ends.
