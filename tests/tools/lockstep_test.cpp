@@ -16,12 +16,12 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 /// "beside.cpp:41": the line with that comment.
-std::string line_with(const std::string& comment) {
-  std::ifstream stream(BESIDE_SOURCE);
+std::string line_with(const std::string& comment, const std::string& source = "beside.cpp") {
+  std::ifstream stream(std::string(BESIDE_SOURCES "/") + source);
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
-    if (line.find("// " + comment) != std::string::npos) return "beside.cpp:" + std::to_string(number);
+    if (line.find("// " + comment) != std::string::npos) return source + ":" + std::to_string(number);
   }
   ADD_FAILURE() << "no line has the comment // " << comment;
   return "";
@@ -31,9 +31,9 @@ class Lockstep : public GdbCommand {
  protected:
   static std::string library(int fault) { return BESIDE_FOLDER "/beside_" + std::to_string(fault) + ".so"; }
 
-  void record() const {
+  void record(const std::string& controller = library(0)) const {
     const Outcome outcome = rehearse({"record", (fixtures / "scenarios/quadruped.yaml").string(), "--controller",
-                                      "Trot=" + library(0), "--duration", "0.3", "-o", "run.mcap"});
+                                      "Trot=" + controller, "--duration", "0.3", "-o", "run.mcap"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
   }
   Outcome beside(const std::string& changed, const std::string& old) const {
@@ -70,6 +70,42 @@ INSTANTIATE_TEST_SUITE_P(Faults, LockstepOfFault,
                                            Fault{8, "101 (0.101 s)", ": cycles is 0.452, not 0.202"},
                                            Fault{9, "92 (0.092 s)", ": is_saturated_ is true, not false"},
                                            Fault{11, "0 (0 s)", ": effort is 10, not 85.96"}),
+                         [](const auto& info) { return "Number" + std::to_string(std::get<0>(info.param)); });
+
+/// Changes of one line, in the form that a fix or a slip has. By day: the two that were named by other lines before.
+class LockstepOfChange : public Lockstep, public ::testing::WithParamInterface<Fault> {};
+
+TEST_P(LockstepOfChange, NamesTheLine) {
+  const auto [fault, when, what] = GetParam();
+  const std::string old = BESIDE_FOLDER "/beside_more_0.so";
+  record(old);
+  const Outcome outcome = beside(library(fault), old);
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  const std::string verdict = outcome.out.substr(0, outcome.out.find('\n'));
+  EXPECT_THAT(verdict, StartsWith(std::string("Quadruped/Trot differs first at tick ") + when));
+  EXPECT_THAT(verdict,
+              AllOf(HasSubstr(" " + line_with("fault " + std::to_string(fault) + ":", "beside_more.cpp") + " "),
+                    HasSubstr(what)));
+}
+
+std::vector<Fault> changes() {
+  std::vector<Fault> all = {{12, "50 (0.05 s)", ": they go different ways from "},
+                            {19, "0 (0 s)", ": its result is 0.010000000000000002, not 0.1"}};
+  const std::vector<Fault> others = {{13, "1 (0.001 s)", ": integral_ is "},
+                                     {14, "0 (0 s)", ": to is 0.1, not 0.4"},
+                                     {15, "51 (0.051 s)", ": they go different ways from "},
+                                     {16, "0 (0 s)", ": they go different ways from "},
+                                     {17, "0 (0 s)", ": filtered_ is "},
+                                     {18, "0 (0 s)", ": they go different ways from "},
+                                     {20, "51 (0.051 s)", ": gains[1] is 54, not 45"},
+                                     {21, "51 (0.051 s)", ""},
+                                     {22, "", ": knee is "},
+                                     {23, "", ""}};
+  if (AT_NIGHT) all.insert(all.end(), others.begin(), others.end());
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Changes, LockstepOfChange, ::testing::ValuesIn(changes()),
                          [](const auto& info) { return "Number" + std::to_string(std::get<0>(info.param)); });
 
 TEST_F(Lockstep, NamesMembersThatDifferBeforeTheRun) {

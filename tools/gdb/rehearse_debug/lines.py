@@ -24,6 +24,7 @@ class Line(NamedTuple):
     locals: Dict[str, str]  # the variables of the function whose declarations have been executed
     is_set: Set[str]  # of these, those that are set
     changed: Dict[str, Optional[str]]  # members and commands that the line before has changed
+    result: str  # the number that a function has just returned to this line; empty: none has
 
     @property
     def place(self) -> Tuple[str, int]:
@@ -80,7 +81,7 @@ def _is_own(frame: gdb.Frame, library: str) -> bool:
     symtab = frame.find_sal().symtab
     if symtab is None or frame.function() is None or gdb.solib_name(frame.pc()) != library:
         return False
-    return not any(folder in symtab.fullname() for folder in travel.FOLDERS_OF_LIBRARIES)
+    return not travel.is_of_a_library(symtab)
 
 
 class _Locals(NamedTuple):
@@ -117,6 +118,28 @@ def _locals_of(frame: gdb.Frame, known: Layout, is_declared: Callable[[int], boo
         block = block.superblock
     set_ = always.read()
     return _Locals({**declared.read(), **set_}, set(set_), early.read())
+
+
+def _result_type(frame: gdb.Frame) -> Optional[gdb.Type]:
+    """The type that the frame's function returns, if it is a number in a register; else None."""
+    function = frame.function()
+    kind = function.type.target() if function is not None else None
+    kind = kind.strip_typedefs() if kind is not None else None
+    is_number = kind is not None and kind.code in _REGISTERS and kind.sizeof in (1, 4, 8)
+    return kind if is_number else None
+
+
+def _result(kind: gdb.Type) -> str:
+    """Where a function of this type has just returned; empty: the registers of this processor aren't known."""
+    try:
+        if kind.code == gdb.TYPE_CODE_FLT:
+            return repr(float(gdb.parse_and_eval("$xmm0.v2_double[0]" if kind.sizeof == 8 else "$xmm0.v4_float[0]")))
+        return str(gdb.parse_and_eval("$rax").cast(kind))
+    except gdb.error:
+        return ""
+
+
+_REGISTERS = (gdb.TYPE_CODE_FLT, gdb.TYPE_CODE_INT, gdb.TYPE_CODE_BOOL, gdb.TYPE_CODE_ENUM, gdb.TYPE_CODE_CHAR)
 
 
 class _Call:
@@ -243,6 +266,7 @@ class Walk:
         self.statements: Dict[Tuple[str, str], List[int]] = {}  # the lines of each function, by file and function
         self.is_optimised = False
         self._calls = _Calls()
+        self._result_type: Optional[gdb.Type] = None  # of the function of the last line
         self._numbers = numbers_of(now)
         self._numbers.changes()
         self.first = dict(self._numbers.texts)  # members and commands at the beginning
@@ -271,6 +295,8 @@ class Walk:
         call = self._calls.at(depth, function)
         has_returned = bool(self.lines) and self.lines[-1].call > call.number
         is_begun = found.pc != frame.pc() or (has_returned and call.line == found.line)
+        result = _result(self._result_type) if has_returned and self._result_type is not None else ""
+        self._result_type = _result_type(frame)
         call.reach(found.line)
         variables = _locals_of(frame, self._numbers.layout, lambda line: call.has_executed(line, statements))
         call.update({**variables.early, **variables.declared}, variables.always)
@@ -283,6 +309,7 @@ class Walk:
             variables.declared,
             set(call.is_set),
             changed,
+            result,
         )
         self.is_optimised = self.is_optimised or _is_optimised(found.symtab)
         self.lines.append(step)

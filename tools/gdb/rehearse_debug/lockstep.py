@@ -229,6 +229,7 @@ def _first_difference(old: Walk, new: Walk, known: Dict[str, Any]) -> Optional[_
     mapped = _LineMap(old, new)
     numbers = (dict(old.first), dict(new.first))
     done, i, j, are_paired = [0, 0], 0, 0, True
+    behind = (0, 0)  # the lines behind the last ones that are the same
 
     def differing(i: int, j: int, of_lines: bool) -> Dict[str, Tuple[str, str]]:
         """Among the numbers that changed since the last comparison, and the variables."""
@@ -253,9 +254,15 @@ def _first_difference(old: Walk, new: Walk, known: Dict[str, Any]) -> Optional[_
     while i < len(old.lines) and j < len(new.lines):
         if mapped.are_same(old.lines[i], new.lines[j]):
             found = differing(i, j, True)
+            if found and _calls_more(old, behind[0], i) != _calls_more(new, behind[1], j):
+                return _Difference(*behind, {})
+            if old.lines[i].result != new.lines[j].result and old.lines[i - 1].function == new.lines[j - 1].function:
+                result = {"its result": (old.lines[i].result, new.lines[j].result)}
+                return _Difference(_behind_return(old, i), _behind_return(new, j), result)
             if found:
                 return _Difference(i, j, found)
             i, j, are_paired = i + 1, j + 1, True
+            behind = (i, j)
             continue
         are_together, are_paired = are_paired, False
         if old.lines[i].is_begun or mapped.is_only_old(old.lines[i]):
@@ -270,6 +277,22 @@ def _first_difference(old: Walk, new: Walk, known: Dict[str, Any]) -> Optional[_
         return _Difference(i, j, differing(i, j, False) if are_paired else {})
     found = differing(len(old.lines), len(new.lines), False)
     return _Difference(len(old.lines), len(new.lines), found) if found else None
+
+
+def _calls_more(walk: Walk, begin: int, end: int) -> bool:
+    """True if a function, which the line before `begin` calls, has lines up to `end`."""
+    caller = walk.lines[end].call
+    return any(step.call > caller for step in walk.lines[begin:end])
+
+
+def _behind_return(walk: Walk, index: int) -> int:
+    """Behind the last line of the function that has returned to that line, but for its closing brace."""
+    call = walk.lines[index - 1].call
+    before = index - 1
+    while before > 0 and walk.lines[before - 1].call > call:
+        before -= 1
+    is_brace = before > 0 and walk.lines[before - 1].call == call
+    return before if is_brace else index
 
 
 def _different_variables(old: Walk, i: int, new: Walk, j: int) -> Dict[str, Tuple[str, str]]:
