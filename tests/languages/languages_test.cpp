@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "../tools/command.h"
+#include "support/sanitized.h"
 
 namespace rehearse::test {
 namespace {
@@ -84,6 +85,39 @@ TEST_F(Languages, AControllerInCIsReplayedWithoutPhysics) {
   EXPECT_EQ(replayed.status, 0) << replayed.out << replayed.err;
   const Outcome other = rehearse({"replay", "run.mcap", "--controller", std::string("Stoop=") + STOOP_CPP});
   EXPECT_EQ(other.status, 0) << other.out << other.err;
+}
+
+/// Threads of each language take turns: one hash of all commands in all runs, and in a replay.
+TEST_F(Languages, HaveThreadsThatTakeTurns) {
+  if (is_sanitized) GTEST_SKIP() << why_free;
+  for (const fs::path library : {PLANNER_CPP, PLANNER_RUST, PLANNER_PYTHON}) {
+    if (library.empty()) continue;
+    const fs::path scenario = write("threads.yaml",
+                                    "rehearse: 1\nname: threads\nduration: 0.1\nbodies:\n"
+                                    "  - name: Pendulum\n    model: " +
+                                        (fixtures / "models/pendulum.urdf").string() +
+                                        "\n    joints: {hinge: 20 deg}\n    controllers:\n"
+                                        "      - {name: Planner, library: " +
+                                        library.string() + "}\n");
+    std::vector<std::vector<std::uint64_t>> hashes;
+    for (const char* file : {"run.mcap", "again.mcap", "once_more.mcap"}) {
+      const Outcome outcome = rehearse({"record", scenario.string(), "-o", file});
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      EXPECT_THAT(outcome.err, ::testing::Not(HasSubstr("thread"))) << library;
+      const auto trace = Trace::load(folder() / file);
+      ASSERT_TRUE(trace) << library;
+      hashes.push_back(trace->integers("output_hash"));
+      EXPECT_LT(trace->values("Pendulum/Planner/output/hinge/u").back(), -1.0) << "a plan has come";
+    }
+    EXPECT_EQ(hashes[0], hashes[1]) << library;
+    EXPECT_EQ(hashes[0], hashes[2]) << library;
+    const Outcome replayed = rehearse({"replay", "run.mcap"});
+    EXPECT_EQ(replayed.status, 0) << library << replayed.out << replayed.err;
+    if (library == PLANNER_CPP) continue;  // audit/zoo_test.cpp has those of C++
+    const Outcome audit = rehearse({"audit", "run.mcap"});
+    EXPECT_EQ(audit.status, 0) << library << audit.out;
+    EXPECT_THAT(audit.out, HasSubstr("take turns")) << library;
+  }
 }
 
 TEST_F(Languages, EachFunctionOfTheHeaderAnswersAsItSays) {
