@@ -141,6 +141,7 @@ Trace record_for_test(const std::string& scenario, const std::string& test);
 TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options = {});
 TestVerdict hold_expectations(const Trace& trace, const std::string& test);
 TestVerdict replay_golden(const std::string& name, const std::string& test);
+TestVerdict try_orders_of_golden(const std::string& name, int orders, const std::string& test);
 SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases, const std::string& test);
 TestVerdict judge_pass_rate(const SweepResult& result, double rate);
 TestVerdict judge_claims(const SweepResult& result);
@@ -215,6 +216,10 @@ inline ::testing::AssertionResult Replays(const char*, const std::string& name) 
   return assertion_of(replay_golden(name, current_test()));
 }
 
+inline ::testing::AssertionResult IsSameInAllOrders(const char*, const char*, const std::string& name, int orders) {
+  return assertion_of(try_orders_of_golden(name, orders, current_test()));
+}
+
 #ifdef REHEARSE_TEST_FIXTURES
 inline const bool folders_are_set =
     set_test_folders({REHEARSE_TEST_FIXTURES, REHEARSE_TEST_GOLDEN, REHEARSE_TEST_OUTPUT, REHEARSE_TEST_CONTROLLERS});
@@ -281,3 +286,13 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 /// Passes if the controllers give the same commands, bit for bit, for the inputs in golden/NAME.mcap, without physics.
 #define EXPECT_REPLAYS(name) EXPECT_PRED_FORMAT1(::rehearse::internal::Replays, name)
 #define ASSERT_REPLAYS(name) ASSERT_PRED_FORMAT1(::rehearse::internal::Replays, name)
+
+/// Passes if the controllers of golden/NAME.mcap give the same commands, bit for bit, in `orders` other orders of their
+/// threads, on its inputs. Each order is replayed in a process of its own. It fails if no thread can come before
+/// another one, as nothing is compared then. The message states the first difference, and the threads and lines that
+/// exchange their turns; `rehearse replay` repeats the order from traces/Suite.Test.order.json. The probability with
+/// which so many orders find a difference: `rehearse audit golden/NAME.mcap --orders N`.
+#define EXPECT_SAME_IN_ALL_ORDERS(name, orders) \
+  EXPECT_PRED_FORMAT2(::rehearse::internal::IsSameInAllOrders, name, orders)
+#define ASSERT_SAME_IN_ALL_ORDERS(name, orders) \
+  ASSERT_PRED_FORMAT2(::rehearse::internal::IsSameInAllOrders, name, orders)

@@ -14,7 +14,7 @@ struct TestResult {
   enum class State { passed, differs, failed };  // failed: it did not run to its end, or can't be judged
 
   std::string test;  // Suite.Test, or the scenario
-  std::string kind;  // "golden", "expectations", "replay", "run"
+  std::string kind;  // "golden", "expectations", "replay", "orders", "run"
   State state = State::passed;
   std::string verdict;                // a sentence
   std::filesystem::path report;       // in the folder of the index; empty: none
