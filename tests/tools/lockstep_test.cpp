@@ -98,9 +98,9 @@ std::vector<Fault> changes() {
                                      {17, "0 (0 s)", ": filtered_ is "},
                                      {18, "0 (0 s)", ": they go different ways from "},
                                      {20, "51 (0.051 s)", ": gains[1] is 54, not 45"},
-                                     {21, "51 (0.051 s)", ""},
-                                     {22, "", ": knee is "},
-                                     {23, "", ""}};
+                                     {21, "51 (0.051 s)", ": integral_ is "},
+                                     {22, "2 (0.002 s)", ": knee is "},
+                                     {23, "1 (0.001 s)", ": its result is "}};
   if (AT_NIGHT) all.insert(all.end(), others.begin(), others.end());
   return all;
 }
