@@ -73,13 +73,13 @@ class Gdb : public GdbCommand {
 TEST_F(Gdb, ListsThreadsThatTakeTurns) {
   ASSERT_EQ(quiet({"record", pendulum(PLANNER, "none").string(), "-o", "pendulum.mcap"}).status, 0);
   const Outcome outcome = in_gdb({"replay", "pendulum.mcap", "--gdb", "--tick", "20"}, R"(rehearse-threads
-break planner.cpp:54
+break planner.cpp:57
 continue
 rehearse-threads
 )");
   EXPECT_THAT(outcome.out, AllOf(ContainsRegex("\n\\* +[0-9]+ the call itself at planner.cpp:[0-9]+ has the turn\n"
                                                " +[0-9]+ 'planner' at planner.cpp:53 waits for a condition\n"),
-                                 ContainsRegex("\n\\* +[0-9]+ 'planner' at planner.cpp:54 has the turn\n")))
+                                 ContainsRegex("\n\\* +[0-9]+ 'planner' at planner.cpp:57 has the turn\n")))
       << outcome.err;
 }
 

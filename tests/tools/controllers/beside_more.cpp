@@ -118,8 +118,10 @@ class BesideMore : public cnoid::SimpleController {
         target = mixed(0.1, 0.4, share);
 #endif
         break;
-      case Phase::hold: target = 0.4 + filtered_;
-#if FAULT != 15
+      case Phase::hold: target = 0.4 + filtered_;  // fault 15: no break follows
+#if FAULT == 15
+        [[fallthrough]];
+#else
         break;
 #endif
       case Phase::sway: target = 0.4 + 0.1 * std::sin(0.01 * ticks_); break;
