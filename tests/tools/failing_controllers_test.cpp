@@ -294,8 +294,8 @@ TEST_F(FailingController, ThatCommandsNanIsReportedAndTheRunGoesOn) {
   const Outcome outcome = record("nan 12");
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err,
-            "error: Pendulum/Swing: wrote nan into u of link 'rod' at tick 12; it was recorded, but the robot "
-            "keeps the command before it\n");
+            "error: Pendulum/Swing: wrote nan into u of joint 'hinge' at tick 12 (0.012 s); it was recorded, but "
+            "the robot keeps the command before it\n");
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
   done({"replay", "pendulum.mcap"});  // NaN is repeated bit for bit
 }

@@ -63,6 +63,8 @@ TEST_F(Mistake, AForgottenGoldenIsAdvised) {
                     HasSubstr("\nif it is right: rehearse golden accept Macro.Falls\n")));
 }
 
+}
+
 TEST_F(Mistake, AForgottenGoldenInCiGetsAdviceThatWorksThere) {
   scenario(MISBEHAVING, "nothing 0");
   expect_both(AllOf(HasSubstr("there is no golden golden/Macro.Falls.mcap"),
@@ -139,6 +141,23 @@ TEST_F(Mistake, ACrashComesFirstAndLeadsToTheDebugger) {
                     HasSubstr("at tick 3 (0.003 s)"), Not(HasSubstr("golden accept"))));
   EXPECT_THAT(checked(), ContainsRegex("^fall: misbehaving.cpp:[0-9]+: controller 'Pendulum/Swing' crashed"));
   EXPECT_THAT(checked(), HasSubstr("\nstop there in gdb: rehearse replay rehearse-pending/Macro.Falls.mcap --gdb\n"));
+}
+
+TEST_F(Mistake, ANumberThatIsNotFiniteComesFirstWithItsJointAndTick) {
+  const std::string cause = "controller 'Pendulum/Swing' wrote nan into u of joint 'hinge' at tick 3 (0.003 s); ";
+  const auto comes_first = AllOf(HasSubstr(cause), Not(HasSubstr("golden accept")), Not(HasSubstr("correct the exp")));
+  scenario(MISBEHAVING, "nan 3");
+  EXPECT_THAT(checked(), AllOf(StartsWith("fall: " + cause), comes_first, HasSubstr("--gdb --tick 3\n")));
+  EXPECT_THAT(tested(), HasSubstr(cause));
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  scenario(MISBEHAVING, "nan 3");
+  for (const char* expected : {"", "expect: [{channel: Pendulum/hinge/q, above: 100, at: end}]\n"}) {
+    write("fall.yaml", read_file(folder() / "fall.yaml") + expected);
+    EXPECT_THAT(checked(), AllOf(StartsWith("fall: " + cause), comes_first, HasSubstr("--gdb --tick 3\n")));
+    EXPECT_THAT(tested(), comes_first);
+    EXPECT_EQ(rehearse({"check", "fall.yaml", "--json"}).json()["code"], "controller.not_finite");
+  }
 }
 
 TEST_F(Mistake, ACrashBesideAGoldenIsNotAdvisedForAcceptance) {

@@ -17,5 +17,7 @@ void tell_duration(Check& check, const Divergence& change, const Trace& fresh);
 Result<void> test_reproduction(Check& check);
 /// Adds the expectations to the verdict. A run that is within tolerance, or was not compared, may violate them.
 void judge_by_expectations(Check& check, const Trace& fresh);
+/// Leads the verdict on a run that differs or is wrong with the first command that isn't finite.
+void tell_odd_command(CheckReport& report);
 
 }  // namespace rehearse
