@@ -160,6 +160,42 @@ TEST_F(Mistake, ANumberThatIsNotFiniteComesFirstWithItsJointAndTick) {
   }
 }
 
+/// `check` of a project with a golden, of which a controller fails in initialize().
+class MistakeInInitialize : public Mistake,
+                            public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
+
+TEST_P(MistakeInInitialize, IsTheOnlySentence) {
+  const auto [deed, cause] = GetParam();
+  const std::string expected = "expect: [{channel: Pendulum/hinge/q, below: 100, at: end}]\n";
+  const auto written = [&](const std::string& options, const char* golden) {
+    scenario(MISBEHAVING, options);
+    std::string text = read_file(folder() / "fall.yaml") + expected;
+    if (!*golden) text.erase(text.find("golden: "), text.find("duration") - text.find("golden: "));
+    write("fall.yaml", text);
+  };
+  written("nothing 0", "golden");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  for (const char* golden : {"golden", ""}) {
+    written(deed, golden);
+    const std::string text = checked();
+    EXPECT_THAT(text, ContainsRegex("^fall: " + std::string(cause)));
+    EXPECT_LE(std::ranges::count(text, '\n'), 6) << text;
+    const std::size_t first = text.find("initialize()");
+    ASSERT_NE(first, std::string::npos) << text;
+    EXPECT_EQ(text.find("initialize()", first + 1), std::string::npos) << "the sentence is repeated: " << text;
+    EXPECT_THAT(text, AllOf(Not(HasSubstr("reads other inputs")), Not(HasSubstr("no such series")),
+                            Not(HasSubstr("golden accept")), Not(HasSubstr("correct the exp"))));
+    EXPECT_EQ(rehearse({"check", "fall.yaml", "--json"}).json()["code"], "controller.failed");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, MistakeInInitialize,
+    ::testing::Values(std::pair("crash", "misbehaving.cpp:[0-9]+: controller 'Pendulum/Swing' crashed: "),
+                      std::pair("throw", "controller 'Pendulum/Swing' threw"),
+                      std::pair("say-and-refuse", "controller 'Pendulum/Swing' refuses to take part: ")),
+    [](const auto& info) { return info.param.first == std::string("say-and-refuse") ? "refuse" : info.param.first; });
+
 TEST_F(Mistake, ACrashBesideAGoldenIsNotAdvisedForAcceptance) {
   scenario(MISBEHAVING, "nothing 0");
   EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);

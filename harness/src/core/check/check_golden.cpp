@@ -23,6 +23,10 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   CheckReport report;
   auto run = REHEARSE_TRY(make_run(scenario, actual, options.run, simulation));
   report.run = std::move(run);
+  if (ended_before_its_first_tick(*report.run)) {
+    tell_early_end(report, actual, LevelState::no_golden);
+    return report;
+  }
   if (scenario.expectations.empty()) return report;
   report.expectations = REHEARSE_TRY(judge_expectations(scenario.expectations, actual));
   if (auto known = refuse_unknown_series(scenario, report, {actual}); !known) {

@@ -105,6 +105,14 @@ void judge_by_expectations(Check& check, const Trace& fresh) {
   report.message += violation_lines(report.expectations);
 }
 
+bool ended_before_its_first_tick(const RunSummary& run) { return run.ending() && run.ticks == 0; }
+
+void tell_early_end(CheckReport& report, const std::filesystem::path& actual, LevelState closed) {
+  report.closed = closed;
+  report.verdict = {code_of_failure(report), report.run->ending()->message};
+  report.message = fmt::format("this run: {}", actual.string());
+}
+
 void tell_odd_command(CheckReport& report) {
   if (!report.run || report.within() || report.failed()) return;
   const auto odd = odd_command_of(*report.run);
