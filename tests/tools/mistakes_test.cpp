@@ -63,6 +63,24 @@ TEST_F(Mistake, AForgottenGoldenIsAdvised) {
                     HasSubstr("\nif it is right: rehearse golden accept Macro.Falls\n")));
 }
 
+TEST_F(Mistake, AGoldenOfNearlyTheNameOfItsTestIsNamed) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  for (const char* ending : {".mcap", ".txt"})
+    fs::rename(folder() / ("golden/Macro.Falls" + std::string(ending)),
+               folder() / ("golden/Macro.Fals" + std::string(ending)));
+  const auto names_it = HasSubstr(
+      "there is no golden golden/Macro.Falls.mcap (golden 'Macro.Fals' has nearly that name, and no test of that name "
+      "is known: correct the test's name, or rename golden/Macro.Fals.mcap and its .txt)");
+  EXPECT_THAT(tested(), names_it);
+  EXPECT_THAT(tested("CI=true"), names_it);
+  std::string other = read_file(folder() / "fall.yaml");
+  write("other.yaml", other.replace(other.find("Macro.Falls"), 11, "Macro.Fals"));
+  EXPECT_THAT(tested(), Not(HasSubstr("nearly that name"))) << "a scenario names it";
+  fs::rename(folder() / "golden/Macro.Fals.mcap", folder() / "golden/All-Fall.Ends-1.mcap");
+  EXPECT_THAT(run(OWNING_TESTS, {"--gtest_filter=All/Fall.Ends/0"}).out,
+              AllOf(HasSubstr("there is no golden golden/All-Fall.Ends-0.mcap"), Not(HasSubstr("nearly that name"))))
+      << "its test is in the same source";
 }
 
 TEST_F(Mistake, AForgottenGoldenInCiGetsAdviceThatWorksThere) {

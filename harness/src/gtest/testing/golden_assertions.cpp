@@ -240,6 +240,7 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
     if (!doubt) return {false, to_string(doubt.errors())};
     settling.violation = *std::move(doubt);
   }
+  if (!store.has(test)) settling.hint = hint_for_missing(golden_store(), test);  // `store` has no notes of tests
   const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
   GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
                                     : GoldenResult{true, "", std::nullopt, false};
