@@ -290,6 +290,15 @@ TEST_F(FailingController, ThatCrashesInInitializeLeavesAReadableTrace) {
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "false");
 }
 
+TEST_F(FailingController, ThatReadsAnInputItNeverEnabledIsWarnedOf) {
+  const std::string sentence =
+      "Pendulum/Swing calls dq() of joint 'hinge' and never enabled that input: the value stays 0 in all ticks "
+      "(io->enableInput(joint, cnoid::Link::JointVelocity) in initialize())";
+  EXPECT_EQ(record("unread").err, "warning: " + sentence + "\n");
+  EXPECT_EQ(rehearse({"record", "pendulum.yaml", "--json"}).json()["remarks"][0]["message"], sentence);
+  EXPECT_EQ(record("nothing 0").err, "") << "it reads q, which it has enabled";
+}
+
 TEST_F(FailingController, ThatCommandsNanIsReportedAndTheRunGoesOn) {
   const Outcome outcome = record("nan 12");
   EXPECT_EQ(outcome.status, 0);

@@ -263,6 +263,7 @@ void ControllerHost::start() {
   }
   for (std::size_t i = 0; i < controllers_.size(); ++i)
     if (controllers_[i].is_called()) tell_shared_joints(i);
+  unread_inputs_.begin(controllers_);
 }
 
 }  // namespace rehearse
