@@ -89,6 +89,9 @@ struct HostedController {
 /// The file of the library that a controller of the scenario is loaded from. `label`: "BODY/NAME".
 Result<std::filesystem::path> library_of(const Scenario& scenario, const ScenarioController& specification,
                                          const std::string& label, const HostOptions& options);
+/// note_on_builds() of that library.
+std::string note_on_builds_of(const Scenario& scenario, const ScenarioController& specification,
+                              const std::string& label, const HostOptions& options);
 
 /// The beginning of a linked library's name in ControllerHost::files_read().
 inline constexpr const char* linked_library_prefix = "the library ";
