@@ -191,7 +191,12 @@ TEST_F(Project, ALibraryThatIsOlderThanItsSourceIsToldFirst) {
   EXPECT_THAT(tested.err, HasSubstr(note)) << tested.out;
   EXPECT_THAT(read_file(folder() / "traces/Macro.Falls.html"), HasSubstr(sentence));
   fs::remove(folder() / "scenarios/fall.yaml");
+  const std::vector<std::string> of_ctest{"--gtest_list_tests", "--rehearse_notes_on", library};
+  const Outcome asked = run(OWNING_TESTS, of_ctest);
+  EXPECT_EQ(asked.err, note) << "ctest prints it before the tests";
+  EXPECT_EQ(asked.out, "");
   write("swing.cpp", source);
+  EXPECT_EQ(run(OWNING_TESTS, of_ctest).err, "");
   EXPECT_EQ(rehearse({"check"}).err, "") << "the edit was undone";
 }
 
