@@ -61,7 +61,7 @@ test('a plot leads to its smallest and its largest value', async () => {
       ['min', 'smallest'],
       ['max', 'largest'],
     ]) {
-      await page.click(`button[aria-label="Go to the ${word} value of Walker/RIGHT_KNEE/q"]`);
+      await page.click(`button[title="Go to the ${word} value of Walker/RIGHT_KNEE/q"]`);
       await settled(page);
       const { tick } = await state_of(page);
       assert.equal(tick, knee.indexOf(Math[which](...knee)), `the ${word} value`);
@@ -219,10 +219,10 @@ test('everything is reached by Tab, has a name, and shows that it has the focus'
       reached.add(at.name);
     }
     for (const name of [
-      'Play or pause (space)',
+      'Play',
       'tick at the cursor',
       'time line: the tick under the cursor',
-      'To the first divergence (d)',
+      'First divergence',
       'search channels to plot',
       'plots',
       'Values',

@@ -8,7 +8,7 @@ import { chromium_path } from './browser.mjs';
 const [page, file] = process.argv.slice(2);
 
 function why_not() {
-  if (!existsSync(new URL('node_modules/playwright-core', import.meta.url)))
+  if (['playwright-core', 'axe-core'].some((name) => !existsSync(new URL(`node_modules/${name}`, import.meta.url))))
     return 'what drives the browser is not installed: run tools/setup, or `npm ci` in tests/report';
   if (!chromium_path()) return 'Chromium is not installed (REHEARSE_CHROMIUM names one that stands elsewhere)';
   if (!existsSync(page))

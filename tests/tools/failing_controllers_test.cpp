@@ -294,12 +294,21 @@ TEST_F(FailingController, ThatCrashesInInitializeLeavesAReadableTrace) {
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "false");
 }
 
+TEST_F(FailingController, ThatReadsAnInputItNeverEnabledIsWarnedOf) {
+  const std::string sentence =
+      "Pendulum/Swing calls dq() of joint 'hinge' and never enabled that input: the value stays 0 in all ticks "
+      "(io->enableInput(joint, cnoid::Link::JointVelocity) in initialize())";
+  EXPECT_EQ(record("unread").err, "warning: " + sentence + "\n");
+  EXPECT_EQ(rehearse({"record", "pendulum.yaml", "--json"}).json()["remarks"][0]["message"], sentence);
+  EXPECT_EQ(record("nothing 0").err, "") << "it reads q, which it has enabled";
+}
+
 TEST_F(FailingController, ThatCommandsNanIsReportedAndTheRunGoesOn) {
   const Outcome outcome = record("nan 12");
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err,
-            "error: Pendulum/Swing: wrote nan into u of link 'rod' at tick 12; it was recorded, but the robot "
-            "keeps the command before it\n");
+            "error: Pendulum/Swing: wrote nan into u of joint 'hinge' at tick 12 (0.012 s); it was recorded, but "
+            "the robot keeps the command before it\n");
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
   done({"replay", "pendulum.mcap"});  // NaN is repeated bit for bit
 }

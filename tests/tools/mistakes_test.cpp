@@ -63,6 +63,26 @@ TEST_F(Mistake, AForgottenGoldenIsAdvised) {
                     HasSubstr("\nif it is right: rehearse golden accept Macro.Falls\n")));
 }
 
+TEST_F(Mistake, AGoldenOfNearlyTheNameOfItsTestIsNamed) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  for (const char* ending : {".mcap", ".txt"})
+    fs::rename(folder() / ("golden/Macro.Falls" + std::string(ending)),
+               folder() / ("golden/Macro.Fals" + std::string(ending)));
+  const auto names_it = HasSubstr(
+      "there is no golden golden/Macro.Falls.mcap (golden 'Macro.Fals' has nearly that name, and no test of that name "
+      "is known: correct the test's name, or rename golden/Macro.Fals.mcap and its .txt)");
+  EXPECT_THAT(tested(), names_it);
+  EXPECT_THAT(tested("CI=true"), names_it);
+  std::string other = read_file(folder() / "fall.yaml");
+  write("other.yaml", other.replace(other.find("Macro.Falls"), 11, "Macro.Fals"));
+  EXPECT_THAT(tested(), Not(HasSubstr("nearly that name"))) << "a scenario names it";
+  fs::rename(folder() / "golden/Macro.Fals.mcap", folder() / "golden/All-Fall.Ends-1.mcap");
+  EXPECT_THAT(run(OWNING_TESTS, {"--gtest_filter=All/Fall.Ends/0"}).out,
+              AllOf(HasSubstr("there is no golden golden/All-Fall.Ends-0.mcap"), Not(HasSubstr("nearly that name"))))
+      << "its test is in the same source";
+}
+
 TEST_F(Mistake, AForgottenGoldenInCiGetsAdviceThatWorksThere) {
   scenario(MISBEHAVING, "nothing 0");
   expect_both(AllOf(HasSubstr("there is no golden golden/Macro.Falls.mcap"),
@@ -140,6 +160,59 @@ TEST_F(Mistake, ACrashComesFirstAndLeadsToTheDebugger) {
   EXPECT_THAT(checked(), ContainsRegex("^fall: misbehaving.cpp:[0-9]+: controller 'Pendulum/Swing' crashed"));
   EXPECT_THAT(checked(), HasSubstr("\nstop there in gdb: rehearse replay rehearse-pending/Macro.Falls.mcap --gdb\n"));
 }
+
+TEST_F(Mistake, ANumberThatIsNotFiniteComesFirstWithItsJointAndTick) {
+  const std::string cause = "controller 'Pendulum/Swing' wrote nan into u of joint 'hinge' at tick 3 (0.003 s); ";
+  const auto comes_first = AllOf(HasSubstr(cause), Not(HasSubstr("golden accept")), Not(HasSubstr("correct the exp")));
+  scenario(MISBEHAVING, "nan 3");
+  EXPECT_THAT(checked(), AllOf(StartsWith("fall: " + cause), comes_first, HasSubstr("--gdb --tick 3\n")));
+  EXPECT_THAT(tested(), HasSubstr(cause));
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  scenario(MISBEHAVING, "nan 3");
+  for (const char* expected : {"", "expect: [{channel: Pendulum/hinge/q, above: 100, at: end}]\n"}) {
+    write("fall.yaml", read_file(folder() / "fall.yaml") + expected);
+    EXPECT_THAT(checked(), AllOf(StartsWith("fall: " + cause), comes_first, HasSubstr("--gdb --tick 3\n")));
+    EXPECT_THAT(tested(), comes_first);
+    EXPECT_EQ(rehearse({"check", "fall.yaml", "--json"}).json()["code"], "controller.not_finite");
+  }
+}
+
+/// `check` of a project with a golden, of which a controller fails in initialize().
+class MistakeInInitialize : public Mistake,
+                            public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
+
+TEST_P(MistakeInInitialize, IsTheOnlySentence) {
+  const auto [deed, cause] = GetParam();
+  const std::string expected = "expect: [{channel: Pendulum/hinge/q, below: 100, at: end}]\n";
+  const auto written = [&](const std::string& options, const char* golden) {
+    scenario(MISBEHAVING, options);
+    std::string text = read_file(folder() / "fall.yaml") + expected;
+    if (!*golden) text.erase(text.find("golden: "), text.find("duration") - text.find("golden: "));
+    write("fall.yaml", text);
+  };
+  written("nothing 0", "golden");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  for (const char* golden : {"golden", ""}) {
+    written(deed, golden);
+    const std::string text = checked();
+    EXPECT_THAT(text, ContainsRegex("^fall: " + std::string(cause)));
+    EXPECT_LE(std::ranges::count(text, '\n'), 6) << text;
+    const std::size_t first = text.find("initialize()");
+    ASSERT_NE(first, std::string::npos) << text;
+    EXPECT_EQ(text.find("initialize()", first + 1), std::string::npos) << "the sentence is repeated: " << text;
+    EXPECT_THAT(text, AllOf(Not(HasSubstr("reads other inputs")), Not(HasSubstr("no such series")),
+                            Not(HasSubstr("golden accept")), Not(HasSubstr("correct the exp"))));
+    EXPECT_EQ(rehearse({"check", "fall.yaml", "--json"}).json()["code"], "controller.failed");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, MistakeInInitialize,
+    ::testing::Values(std::pair("crash", "misbehaving.cpp:[0-9]+: controller 'Pendulum/Swing' crashed: "),
+                      std::pair("throw", "controller 'Pendulum/Swing' threw"),
+                      std::pair("say-and-refuse", "controller 'Pendulum/Swing' refuses to take part: ")),
+    [](const auto& info) { return info.param.first == std::string("say-and-refuse") ? "refuse" : info.param.first; });
 
 TEST_F(Mistake, ACrashBesideAGoldenIsNotAdvisedForAcceptance) {
   scenario(MISBEHAVING, "nothing 0");

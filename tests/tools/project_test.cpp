@@ -53,7 +53,26 @@ TEST_F(Project, OfTwoBuildsTheNewerLibraryIsTaken) {
   build("build-debug", MISBEHAVING);
   fs::last_write_time(folder() / "build/lib/rehearse/controllers/Swing.so",
                       fs::file_time_type::clock::now() - std::chrono::hours(1));
-  EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).status, 0);
+  write("build-debug/CMakeCache.txt", "CMAKE_BUILD_TYPE:STRING=Debug\n");
+  const Outcome recorded = rehearse({"record", "scenarios/swing.yaml"});
+  EXPECT_EQ(recorded.status, 0);
+  EXPECT_EQ(recorded.err, "note: Swing.so is taken from build-debug (Debug), where it is newest; also in: build\n");
+  const Outcome stated = rehearse({"record", "scenarios/swing.yaml"},
+                                  "REHEARSE_CONTROLLER_PATH=\"$PWD/build-debug/lib/rehearse/controllers\"");
+  EXPECT_EQ(stated.err, "") << "the user chose";
+}
+
+TEST_F(Project, ALibraryWithASanitizerIsRefusedInOneSentence) {
+  write("swing.cpp", "extern \"C\" int given(int* numbers, int i) { return numbers[i]; }\n");
+  fs::create_directories(folder() / "build/lib/rehearse/controllers");
+  const Outcome compiled = run(CXX_COMPILER, {"-fsanitize=address", "-shared", "-fPIC", "-o",
+                                              "build/lib/rehearse/controllers/Swing.so", "swing.cpp"});
+  if (compiled.status != 0) GTEST_SKIP() << "the compiler has no AddressSanitizer: " << compiled.err;
+  const Outcome refused = rehearse({"record", "scenarios/swing.yaml"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err,
+              HasSubstr("controller library 'Swing.so' is built with AddressSanitizer, whose runtime must be "
+                        "loaded before this program (build it without -fsanitize=address, or preload"));
 }
 
 TEST_F(Project, ABuildOfAnyNameIsFoundByItsCache) {
@@ -172,7 +191,12 @@ TEST_F(Project, ALibraryThatIsOlderThanItsSourceIsToldFirst) {
   EXPECT_THAT(tested.err, HasSubstr(note)) << tested.out;
   EXPECT_THAT(read_file(folder() / "traces/Macro.Falls.html"), HasSubstr(sentence));
   fs::remove(folder() / "scenarios/fall.yaml");
+  const std::vector<std::string> of_ctest{"--gtest_list_tests", "--rehearse_notes_on", library};
+  const Outcome asked = run(OWNING_TESTS, of_ctest);
+  EXPECT_EQ(asked.err, note) << "ctest prints it before the tests";
+  EXPECT_EQ(asked.out, "");
   write("swing.cpp", source);
+  EXPECT_EQ(run(OWNING_TESTS, of_ctest).err, "");
   EXPECT_EQ(rehearse({"check"}).err, "") << "the edit was undone";
 }
 

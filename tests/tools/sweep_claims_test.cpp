@@ -327,7 +327,7 @@ TEST_F(Sweep, CountsCasesWithErrorsOfControllers) {
   ASSERT_EQ(report["errors"].size(), 2u) << report["errors"].dump();
   EXPECT_EQ(report["errors"][0]["error"], "Pendulum/Swing: [ERROR] no map");
   EXPECT_EQ(report["errors"][0]["cases"], nlohmann::json::array({2, 3}));
-  EXPECT_THAT(report["errors"][1]["example"].get<std::string>(), HasSubstr("wrote nan into u of link"));
+  EXPECT_THAT(report["errors"][1]["example"].get<std::string>(), HasSubstr("wrote nan into u of joint"));
   EXPECT_EQ(report["errors"][1]["passed"], 1);
   EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("## Errors of controllers"));
   box();

@@ -62,12 +62,40 @@ function(rehearse_add_rust_controller name manifest)
     VERBATIM)
 endfunction()
 
+# rehearse_tell_old_libraries(TEST_PROGRAM CONTROLLERS...): a file for ctest, whose message() it prints before the tests.
+function(rehearse_tell_old_libraries name)
+  set(libraries "")
+  foreach(controller ${ARGN})
+    set(library ${CMAKE_BINARY_DIR}/lib/rehearse/controllers/${controller}.so)
+    get_target_property(type ${controller} TYPE)
+    if(type MATCHES "MODULE_LIBRARY|SHARED_LIBRARY")
+      set(library $<TARGET_FILE:${controller}>)
+    endif()
+    string(APPEND libraries " \"${library}\"")
+  endforeach()
+  set(notes ${CMAKE_CURRENT_BINARY_DIR}/${name}_notes.cmake)
+  file(GENERATE OUTPUT ${notes} CONTENT
+"set(folder \"\$ENV{PWD}\")
+if(NOT IS_DIRECTORY \"\${folder}\")
+  set(folder \"${CMAKE_SOURCE_DIR}\")
+endif()
+execute_process(COMMAND \"$<TARGET_FILE:${name}>\" --gtest_list_tests --rehearse_notes_on${libraries}
+  WORKING_DIRECTORY \"\${folder}\" OUTPUT_QUIET ERROR_VARIABLE notes ERROR_STRIP_TRAILING_WHITESPACE TIMEOUT 20)
+if(notes MATCHES \"^note: \")
+  message(\"\${notes}\")
+endif()
+")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${notes})
+endfunction()
+
 # rehearse_add_controller_test(NAME SOURCES files... [CONTROLLERS targets...] [FIXTURES folder] [GOLDEN folder]
 #                              [LABEL label] [TIMEOUT seconds]): a test program written with <rehearse/gtest.h>.
 #
 # Each TEST is one ctest. Scenarios and models are named relative to FIXTURES (default: fixtures), goldens are in GOLDEN
 # (default: golden); both folders are relative to the current CMakeLists.txt. The controllers are built before the test.
-# Recordings go to traces/ of the build folder, and those that differ from their golden to goldens/pending/.
+# Recordings go to traces/ of the build folder, and those that differ from their golden to goldens/pending/. ctest prints
+# at its start which of the controllers were built before the last change of their sources: the output of tests that pass
+# isn't shown.
 function(rehearse_add_controller_test name)
   cmake_parse_arguments(arg "" "FIXTURES;GOLDEN;LABEL;TIMEOUT" "SOURCES;CONTROLLERS" ${ARGN})
   if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
@@ -101,6 +129,10 @@ function(rehearse_add_controller_test name)
   target_link_libraries(${name} PRIVATE Rehearse::gtest)
   if(arg_CONTROLLERS)
     add_dependencies(${name} ${arg_CONTROLLERS})
+  endif()
+  get_property(is_multi GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+  if(arg_CONTROLLERS AND NOT is_multi)
+    rehearse_tell_old_libraries(${name} ${arg_CONTROLLERS})
   endif()
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})

@@ -241,7 +241,12 @@ void tell_files(const Checked& checked, bool verbose) {
       fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
   if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
   std::fflush(stdout);  // before related output on stderr
-  if (report.run) tell_remarks(*report.run);
+  if (!report.run) return;
+  const Diagnostic* ending = report.run->ending();
+  if (is_short && ending && report.verdict.text().find(ending->message) != std::string::npos)
+    tell_remarks(report.run->remarks, *ending);  // the verdict has said it
+  else
+    tell_remarks(*report.run);
 }
 
 CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool json) {

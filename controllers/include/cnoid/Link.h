@@ -169,10 +169,22 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
 
   // --- State of the joint
 
-  double q() const { return q_; }
-  double& q() { return q_; }
-  double dq() const { return dq_; }
-  double& dq() { return dq_; }
+  double q() const {
+    noteAccess(JointDisplacement);
+    return q_;
+  }
+  double& q() {
+    noteAccess(JointDisplacement);
+    return q_;
+  }
+  double dq() const {
+    noteAccess(JointVelocity);
+    return dq_;
+  }
+  double& dq() {
+    noteAccess(JointVelocity);
+    return dq_;
+  }
   double ddq() const { return ddq_; }
   double& ddq() { return ddq_; }
   /// Torque or force of the actuator.
@@ -425,6 +437,13 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
 
  private:
   friend class Body;
+  friend struct AccessedStates;  // of Rehearse's host
+  /// Notes a call of q() (JointDisplacement) or dq() (JointVelocity). Threads may call both at once: a flag that one of
+  /// them overwrites is set by the next call.
+  void noteAccess(short flag) const {
+    const short noted = __atomic_load_n(&accessedStates_, __ATOMIC_RELAXED);
+    if (!(noted & flag)) __atomic_store_n(&accessedStates_, static_cast<short>(noted | flag), __ATOMIC_RELAXED);
+  }
   void takeFromParent();
   void setBodyToSubTree(Body* body);
 
@@ -453,6 +472,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   Vector3 w_;
   Vector3 dv_;
   Vector3 dw_;
+  mutable short accessedStates_ = StateNone;  // in padding: libraries built with older headers have the same layout
   Vector6 F_ext_;
 
   double m_ = 1.0;

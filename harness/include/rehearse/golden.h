@@ -157,6 +157,7 @@ struct SettleOptions {
   CompareOptions compare;
   bool exact = false;     // different bits fail, within tolerance or not
   std::string violation;  // a sentence: why the run is wrong independently of its golden; empty: it is not wrong
+  std::string hint;       // for a golden that is missing: hint_for_missing()
 };
 
 /// The result of an acceptance.
@@ -178,6 +179,8 @@ class GoldenStore {
   std::filesystem::path digest_file(const std::string& name) const;
   std::filesystem::path pending_file(const std::string& name) const;
   bool has(const std::string& name) const;
+  /// The names of the goldens, in no order.
+  std::vector<std::string> names() const;
 
   /// Compares a run with the golden `name` and acts as the mode states. If two runs of one process use the same golden
   /// with different recordings, the second fails. A run with a violation becomes no golden.
@@ -289,6 +292,11 @@ std::map<std::string, GoldenOwners> reported_golden_owners(const GoldenStore& go
 
 /// The owners in the notes of one golden.
 GoldenOwners reported_owners_of(const GoldenStore& goldens, const std::string& golden);
+
+/// A hint for a missing golden: a golden of nearly that name that no scenario names, and that no test uses which ran
+/// here or is in the source of the missing golden's test. "golden 'Hold.Stands' has nearly that name, and no test of
+/// that name is known: ...". Empty: there is none.
+std::string hint_for_missing(const GoldenStore& goldens, const std::string& golden);
 
 /// All goldens of the store by name. Their owners are the scenarios in `sources` and the tests that reported themselves
 /// (report_golden_owner()); a test that never ran here is unknown. `present`: the facts of a recording's provenance as

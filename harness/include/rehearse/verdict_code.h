@@ -42,6 +42,7 @@ enum class VerdictCode : std::uint8_t {
   proof_wrong,
   undecided_nothing_compared,
   undecided_bad_input,
+  controller_not_finite,
 };
 
 /// A row of the table of codes.

@@ -129,9 +129,10 @@ TEST_P(OddNumbers, AreRecordedAndReportedAndNeverReachTheRobot) {
   EXPECT_FALSE(std::isfinite(u[7]));
   EXPECT_EQ(u[6], 1.0);
   EXPECT_EQ(u[8], 1.0);
-  EXPECT_THAT(said(trace), Contains("Rig/C: " + std::string(GetParam().what) +
-                                    " into u of link 'ARM' at tick 7; it was recorded, but the robot keeps the command "
-                                    "before it"));
+  EXPECT_THAT(said(trace),
+              Contains("Rig/C: " + std::string(GetParam().what) +
+                       " into u of joint 'SHOULDER' at tick 7 (0.007 s); it was recorded, but the robot keeps "
+                       "the command before it"));
   // it continues with 1 N·m as before: 18 steps of 2 rad/s² after the first, which had no command
   EXPECT_NEAR(trace.last("Rig/SHOULDER/dq"), 2.0 * 0.019, 1e-6);
   EXPECT_EQ(trace.values("Rig/SHOULDER/u")[9], 1.0);

@@ -1,7 +1,8 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
 // initialize(). Knows: refuse, throw, throw_long, throw_nowhere, crash, abort, exit, close, overflow, print, hang,
-// leak, nan, complain, chance, slow (each call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED;
-// and what ends the process past the C library, see past_the_library().
+// leak, nan, complain, chance, slow (each call takes 0.2 s), unread (reads an input that it never enabled);
+// say-and-DEED: writes a line in initialize() and does DEED; and what ends the process past the C library, see
+// past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdio>
@@ -202,6 +203,7 @@ class Misbehaving : public cnoid::SimpleController {
 
   bool control() override {
     joint_->u() = -1.0 * joint_->q();
+    if (deed_ == "unread") joint_->u() = -1.0 * joint_->dq();
     if (deed_ == "slow") usleep(200000);
     if (deed_ == "chat") io_->os() << "call " << calls_ << std::endl;
     if (calls_++ == when_) misbehave();

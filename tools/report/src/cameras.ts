@@ -159,7 +159,7 @@ class CameraView {
 }
 
 export class Cameras {
-  readonly root = element('div', { class: 'cameras', role: 'region', 'aria-label': 'cameras', tabindex: '0' });
+  readonly root = element('div', { class: 'cameras', role: 'region', 'aria-label': 'pictures', tabindex: '0' });
   private readonly views: CameraView[];
   private wipe = false;
   private gain = 8;

@@ -16,6 +16,7 @@ import type { Store } from './store';
 import { VirtualList } from './virtual_list';
 
 const row_height = 18; // [pixels]
+const narrow = 700; // width of the panel in which lines have less beside their code [pixels], as in the style
 const tab_width = 4; // [characters], as in the style
 
 const name_of = (path: string) => path.slice(path.lastIndexOf('/') + 1);
@@ -107,6 +108,7 @@ class CoveragePanel {
   private readonly place_note = element('span', { class: 'note', 'aria-live': 'polite' });
   private file = 0;
   private current = 0; // line; 0: none
+  private is_narrow = false;
 
   constructor(
     private readonly store: Store,
@@ -160,7 +162,11 @@ class CoveragePanel {
     this.outline.set_count(this.entries.length);
     this.show_file(this.unexecuted[0]?.file ?? 0);
     // scrolling is possible only after the list is shown
-    new ResizeObserver(() => this.reveal()).observe(this.list.root);
+    new ResizeObserver(() => {
+      this.is_narrow = this.root.clientWidth <= narrow;
+      this.list.update();
+      this.reveal();
+    }).observe(this.list.root);
   }
 
   next() {
@@ -239,8 +245,9 @@ class CoveragePanel {
     );
   }
 
-  /** The tick comes first: a long name may be cut. */
-  private when(first: ExecutionEntry): string {
+  /** The tick comes first: a long name may be cut. `is_short`: the tick alone, where there is no room. */
+  private when(first: ExecutionEntry, is_short = false): string {
+    if (is_short) return first.tick < 0 || first.time === null ? 'before' : `tick ${first.tick}`;
     const where = this.data.recordings.length > 1 ? ` in ${name_of(first.recording).replace(/\.mcap$/, '')}` : '';
     if (first.tick < 0 || first.time === null) return `before the run${where}`;
     const own = this.report.data.runs.length > 0 ? this.report.data.time_step : first.time / Math.max(1, first.tick);
@@ -278,12 +285,13 @@ class CoveragePanel {
     const leads = tick >= begin && tick < end;
     first!.hidden = !leads;
     first!.dataset.tick = String(tick);
-    const words = is_never ? 'never' : line?.first ? this.when(line.first) : '';
+    const words = is_never ? 'never' : line?.first ? this.when(line.first, this.is_narrow) : '';
     set_text(first!, leads ? words : '');
     first!.setAttribute('aria-label', leads ? `Go to ${words}, when line ${number} runs first` : '');
     set_text(text!, leads ? '' : words);
     const taken = line?.ways.filter((way) => way.first !== null).length ?? 0;
-    set_text(ways!, is_one_way ? `${taken} of ${line!.ways.length} ways` : '');
+    const counts = [taken, line?.ways.length ?? 0];
+    set_text(ways!, is_one_way ? (this.is_narrow ? counts.join('/') : `${counts.join(' of ')} ways`) : '');
     set_text(code!, file.source?.[number - 1] ?? '');
   }
 

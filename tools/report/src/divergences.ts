@@ -22,6 +22,25 @@ export class Tour {
     return first === null ? null : (divergences[first] ?? null);
   }
 
+  /** The tick at which the page opens: of the first divergence, else of the first violation; null: there is none. */
+  get start(): number | null {
+    return this.first ? this.first.tick : this.first_violation;
+  }
+
+  /** A sentence: where the page opens, and why. `linked`: the tick in the address; null: none. `before`: the text that it
+   * follows. Empty: at the beginning. */
+  opening(linked: number | null, before: string): string {
+    const { first, first_violation } = this;
+    if (linked !== null && linked !== this.start) return `Opened at tick ${linked}, which the link names.`;
+    if (first) {
+      const kind = first.beyond ? 'difference beyond tolerance' : 'difference';
+      const is_named = new RegExp(`\\btick ${first.tick}\\b`, 'i').test(before);
+      if (is_named) return `The page opened there, at the first ${kind}.`;
+      return `Opened at the first ${kind}: tick ${first.tick}, ${first.series ?? first.channel}.`;
+    }
+    return first_violation === null ? '' : `Opened at the first violated expectation: tick ${first_violation}.`;
+  }
+
   /** Whether the first divergence is in pictures. */
   get is_about_pictures(): boolean {
     return this.report.data.cameras.some((camera) => camera.topic === this.first?.channel);

@@ -21,8 +21,10 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-export function button(text: string, label: string, onclick: () => void, properties: Properties = {}) {
-  return element('button', { type: 'button', title: label, 'aria-label': label, onclick, ...properties }, text);
+/** Its name is its text; of a sign, which isn't read, it is the hint. The hint is also shown under the mouse. */
+export function button(text: string, hint: string, onclick: () => void, properties: Properties = {}) {
+  const name = /[a-z]/i.test(text) ? null : hint;
+  return element('button', { type: 'button', title: hint, 'aria-label': name, onclick, ...properties }, text);
 }
 
 /** A sentence in the place of what isn't there. */

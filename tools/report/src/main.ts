@@ -1,6 +1,7 @@
 // Assembles the page: parts, keys, address.
 import 'uplot/dist/uPlot.min.css';
 import './style/theme.css';
+import './style/base.css';
 import './style/page.css';
 import './style/parts.css';
 import { go_to_place, keep_address, parse_address } from './address';
@@ -208,10 +209,16 @@ function put_together(report: Report) {
       content: scenario(report),
     },
   ]);
+  const place = parse_address(location.hash);
   const top = element(
-    'div',
-    { class: 'top' },
-    verdict(store, report, () => dialog.showModal()),
+    'section',
+    { class: 'top', 'aria-label': 'verdict and time line' },
+    verdict(
+      store,
+      report,
+      (before) => tour.opening(place.tick, before),
+      () => dialog.showModal(),
+    ),
     report.ticks > 0 && transport.root,
     report.ticks > 0 && timeline.root,
   );
@@ -243,9 +250,8 @@ function put_together(report: Report) {
   app.replaceChildren(top, main, dialog);
   document.title = `${report.data.title || 'Report'} – ${report.data.verdict.state} – Rehearse`;
   watch_theme(() => store.changed('theme'));
-  const place = parse_address(location.hash);
   store.show(place.series ?? tour.series_to_open_with());
-  const start = tour.first ? tour.first.tick : (tour.first_violation ?? tour.first_complete_view);
+  const start = tour.start ?? tour.first_complete_view;
   if (start !== null) store.go(start);
   go_to_place(store, place);
   keep_address(store);

@@ -37,6 +37,7 @@ export class Scene {
   private slow = false;
   private moved_by_hand = false;
   private size = 1; // of what the camera was fitted to [m]
+  private size_of_note: [number, number] | null = null; // [pixels]; null: to be measured
   follow = true;
   drawings = 0;
 
@@ -237,6 +238,7 @@ export class Scene {
       notes.join('; ') || (this.report.compared && this.report.ticks > 0 ? 'links within 1 µm of the golden' : '');
     if (this.note.title !== note) this.note.title = note;
     set_text(this.note, note);
+    this.size_of_note = null;
     if (this.follow && this.controls) {
       const point = this.followed_point(),
         by = point.clone().sub(this.followed);
@@ -260,14 +262,42 @@ export class Scene {
     this.draw();
   }
 
-  /** The main figure in the view: its height [pixels], and its centre from -1 to 1; null: none is drawn. */
-  main_on_screen(): { height: number; centre: [number, number] } | null {
+  /** The box around the main figure in the view, from -1 to 1; null: none is drawn. */
+  private main_box(): three.Box3 | null {
     if (!this.main || !this.renderer) return null;
     this.camera.updateMatrixWorld();
     this.scene.updateMatrixWorld(true);
-    const box = new three.Box3().setFromPoints(this.main.corners().map((corner) => corner.project(this.camera)));
+    return new three.Box3().setFromPoints(this.main.corners().map((corner) => corner.project(this.camera)));
+  }
+
+  /** The main figure in the view: its height [pixels], and its centre from -1 to 1; null: none is drawn. */
+  main_on_screen(): { height: number; centre: [number, number]; left: number; top: number } | null {
+    const box = this.main_box();
+    if (!box) return null;
     const centre = box.getCenter(new three.Vector3());
-    return { height: ((box.max.y - box.min.y) / 2) * this.root.clientHeight, centre: [centre.x, centre.y] };
+    const { clientWidth: width, clientHeight: height } = this.root;
+    return {
+      height: ((box.max.y - box.min.y) / 2) * height,
+      centre: [centre.x, centre.y],
+      left: ((box.min.x + 1) / 2) * width,
+      top: ((1 - box.max.y) / 2) * height,
+    };
+  }
+
+  /** Puts the note into the first corner in which it doesn't cover the main figure; it stays where it covers nothing. */
+  private move_note_aside() {
+    const box = this.main_box();
+    if (!box || this.note.textContent === '') return;
+    this.size_of_note ??= [this.note.offsetWidth, this.note.offsetHeight];
+    const { clientWidth: width, clientHeight: height } = this.root;
+    const across = (2 * (this.size_of_note[0] + 8)) / Math.max(1, width),
+      up = (2 * (this.size_of_note[1] + 6)) / Math.max(1, height);
+    const is_free = (corner: string) => {
+      const is_beside = corner.endsWith('left') ? box.min.x > across - 1 : box.max.x < 1 - across;
+      return is_beside || (corner.startsWith('top') ? box.max.y < 1 - up : box.min.y > up - 1);
+    };
+    const now = this.note.dataset.corner ?? 'top-left';
+    if (!is_free(now)) this.note.dataset.corner = ['top-left', 'bottom-left', 'bottom-right'].find(is_free) ?? now;
   }
 
   private draw() {
@@ -276,6 +306,7 @@ export class Scene {
     const begin = performance.now();
     this.renderer.render(this.scene, this.camera);
     ++this.drawings;
+    this.move_note_aside();
     // software rendering without a graphics card: use fewer pixels
     if (!this.slow && this.drawings > 3 && performance.now() - begin > 25 && window.devicePixelRatio > 1) {
       this.slow = true;

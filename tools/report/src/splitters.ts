@@ -23,12 +23,14 @@ export function splitter(container: HTMLElement, { label, name, upright }: Split
     'aria-orientation': upright ? 'vertical' : 'horizontal',
     'aria-valuemin': '0',
     'aria-valuemax': '100',
+    'aria-valuenow': '50',
   });
   const show = (share: number | null) => {
     if (share === null) container.style.removeProperty(`--${name}`);
     else container.style.setProperty(`--${name}`, `${(share * 100).toFixed(1)}%`);
-    bar.setAttribute('aria-valuenow', String(Math.round((share ?? present()) * 100)));
+    tell(share ?? present());
   };
+  const tell = (share: number) => bar.setAttribute('aria-valuenow', String(Math.round(share * 100)));
   const bounds = () => {
     const { left, top, width, height } = container.getBoundingClientRect();
     return upright ? { begin: left, length: width } : { begin: top, length: height };
@@ -67,5 +69,7 @@ export function splitter(container: HTMLElement, { label, name, upright }: Split
   });
   const stored = Number(stored_setting(key) ?? NaN);
   if (stored >= least_share && stored <= 1 - least_share) show(stored);
+  // the share that the style gives is known when the page has a layout
+  new ResizeObserver(() => tell(present())).observe(container);
   return bar;
 }

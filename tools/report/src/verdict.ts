@@ -17,7 +17,13 @@ const words = {
   failed: 'Failed',
 };
 
-export function verdict(store: Store, report: Report, help: () => void): HTMLElement {
+/** `opening`: where the page opens, a sentence after that text. */
+export function verdict(
+  store: Store,
+  report: Report,
+  opening: (before: string) => string,
+  help: () => void,
+): HTMLElement {
   const { data } = report;
   const { state, sentence, besides, notes, levels } = data.verdict;
   const steps = data.runs[0]?.ticks ?? 0;
@@ -26,6 +32,8 @@ export function verdict(store: Store, report: Report, help: () => void): HTMLEle
       ? 'no tick was recorded'
       : `${plural(steps, 'tick')}, ${time_text(steps * data.time_step, data.time_step)}`;
   const violated = violation_list(store, report);
+  const text = violated ? besides : sentence;
+  const opened = opening(text);
   const runs = data.runs.map((run) =>
     element(
       'span',
@@ -63,7 +71,8 @@ export function verdict(store: Store, report: Report, help: () => void): HTMLEle
       ),
     ),
     violated,
-    (!violated || besides !== '') && element('p', { class: 'sentence' }, violated ? besides : sentence),
+    (text !== '' || opened !== '') &&
+      element('p', { class: 'sentence' }, text, opened !== '' && element('span', { class: 'opening' }, ` ${opened}`)),
     ...notes.map((note) => element('p', { class: 'remark' }, element('b', {}, 'note: '), note)),
   );
 }

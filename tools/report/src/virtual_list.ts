@@ -5,6 +5,8 @@ export class VirtualList<Row extends HTMLElement> {
   readonly root: HTMLElement;
   private readonly spacer = element('div', { class: 'spacer' });
   private readonly rows: Row[] = [];
+  private readonly places: HTMLElement[] = []; // what is moved: a row, or the item of a list around it
+  private readonly is_list: boolean;
   private count = 0;
   first = 0;
 
@@ -15,6 +17,8 @@ export class VirtualList<Row extends HTMLElement> {
     properties: Record<string, string> = {},
   ) {
     this.root = element('div', { class: 'virtual', tabindex: '0', ...properties }, this.spacer);
+    this.is_list = properties.role === 'list';
+    if (this.is_list) this.spacer.role = 'presentation';
     this.root.addEventListener('scroll', () => this.update(), { passive: true });
     new ResizeObserver(() => this.update()).observe(this.root);
   }
@@ -32,14 +36,17 @@ export class VirtualList<Row extends HTMLElement> {
     const shown = Math.max(0, Math.min(Math.ceil(height / this.row_height) + 1, this.count - this.first));
     while (this.rows.length < shown) {
       const row = this.make();
-      row.style.height = `${this.row_height}px`;
+      const place = this.is_list && !row.role ? element('div', { role: 'listitem' }, row) : row;
+      row.style.height = place.style.height = `${this.row_height}px`;
       this.rows.push(row);
-      this.spacer.append(row);
+      this.places.push(place);
+      this.spacer.append(place);
     }
     this.rows.forEach((row, i) => {
-      row.hidden = i >= shown;
+      const place = this.places[i]!;
+      row.hidden = place.hidden = i >= shown;
       if (i >= shown) return;
-      row.style.transform = `translateY(${(this.first + i) * this.row_height}px)`;
+      place.style.transform = `translateY(${(this.first + i) * this.row_height}px)`;
       this.fill(row, this.first + i);
     });
   }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "check_levels.h"
+#include "check_verdict.h"
 #include "code_of.h"
 #include "core/compare/compare_structure.h"
 #include "core/kinds/channel_name.h"
@@ -118,7 +119,9 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
   check.report.not_proved = proof.objection();
   check.world_is_known = proof.holds();
   REHEARSE_TRY(check.simulate());
-  if (check.report.failed()) check.report.verdict.lead(code_of_failure(check.report));
+  const bool is_told = check.report.verdict.code() == to_string(code_of_failure(check.report));
+  if (check.report.failed() && !is_told) check.report.verdict.lead(code_of_failure(check.report));
+  tell_odd_command(check.report);
   if (auto known = refuse_unknown_series(scenario, check.report, {golden, actual}); !known) {
     remove_run_of(actual);
     return known.errors();

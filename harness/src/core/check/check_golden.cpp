@@ -4,7 +4,9 @@
 
 #include "base/hashing.h"
 #include "check_run.h"
+#include "check_verdict.h"
 #include "code_of.h"
+#include "core/host/odd_command.h"
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
 #include "proof.h"
@@ -21,6 +23,10 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   CheckReport report;
   auto run = REHEARSE_TRY(make_run(scenario, actual, options.run, simulation));
   report.run = std::move(run);
+  if (ended_before_its_first_tick(*report.run)) {
+    tell_early_end(report, actual, LevelState::no_golden);
+    return report;
+  }
   if (scenario.expectations.empty()) return report;
   report.expectations = REHEARSE_TRY(judge_expectations(scenario.expectations, actual));
   if (auto known = refuse_unknown_series(scenario, report, {actual}); !known) {
@@ -50,10 +56,13 @@ Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual,
   return false;
 }
 
-/// The command that stops in the controller whose failure ended a run, on its own line. Empty for a refusal, which no
-/// tick repeats, and in CI, where a person can't reach the disk.
+/// The command that stops in the controller whose failure ended a run, or that commands a number that isn't finite, on
+/// its own line. Empty for a refusal, which no tick repeats, and in CI, where a person can't reach the disk.
 std::string debugging_advice(const RunSummary& summary, const fs::path& run) {
-  return is_ci() || !summary.failure ? "" : fmt::format("\nstop there in gdb: rehearse replay {} --gdb", run.string());
+  const auto odd = summary.ending() ? std::nullopt : odd_command_of(summary);
+  if (is_ci() || (!summary.failure && !odd)) return {};
+  return fmt::format("\nstop there in gdb: rehearse replay {} --gdb{}", run.string(),
+                     odd ? fmt::format(" --tick {}", odd->tick) : "");
 }
 
 /// There is no golden yet: the run becomes the golden, or stays pending.
@@ -74,9 +83,13 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
     report->closed = LevelState::no_golden;
     report->verdict.lead(VerdictCode::golden_missing,
                          fmt::format("there is no golden {}", store.trace_file(scenario.golden).string()));
-    if (!violated)
+    if (odd_command_of(*report->run))
+      report->message = fmt::format("this run: {}{}{}", actual.string(), violation_lines(report->expectations),
+                                    debugging_advice(*report->run, actual));
+    else if (!violated)
       report->message =
           fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden, store.folder()));
+    tell_odd_command(*report);
     return report;
   }
   auto certified = REHEARSE_TRY(certify_candidate(scenario, actual, options.run, simulation, *report));
@@ -93,7 +106,10 @@ Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::pat
                                          const Simulation& simulation) {
   auto report = check_by_expectations(scenario, actual, options, simulation);
   std::error_code ignored;
-  if (report && report->failed()) report->verdict.lead(code_of_failure(*report));
+  if (report && report->failed() && report->verdict.code() != to_string(code_of_failure(*report)))
+    report->verdict.lead(code_of_failure(*report), report->run->ending()->message);
+  if (report && report->failed()) report->message += debugging_advice(*report->run, actual);
+  if (report) tell_odd_command(*report);
   if (report && report->within()) fs::remove(actual, ignored);
   return report;
 }
@@ -102,7 +118,7 @@ Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::pat
 Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, const HostOptions& host,
                             const Simulation& simulation, CheckReport& report) {
   const std::string& name = scenario.golden;
-  if (report.run && report.run->ending()) {
+  if (report.run && (report.run->ending() || odd_command_of(*report.run))) {
     report.message += debugging_advice(*report.run, store.pending_file(name));
   } else if (first_violation(report.expectations)) {
     report.message += fmt::format("\nif the run is right, correct the expectations in {}", scenario.file);

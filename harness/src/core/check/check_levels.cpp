@@ -175,6 +175,10 @@ Result<void> Check::check_closed() {
 Result<void> Check::simulate() {
   noise = REHEARSE_TRY(GoldenNoise::of(golden, report.remarks));
   if (options.closed) REHEARSE_TRY(make_closed_loop());
+  if (report.run && ended_before_its_first_tick(*report.run)) {
+    tell_early_end(report, actual, LevelState::differs);
+    return {};
+  }
   if (const auto change = changed_time_step(scenario, golden)) return tell_time_step(*this, *change);
   if (options.controller && report.controller == LevelState::not_compared) REHEARSE_TRY(check_controller());
   if (options.plant && report.plant == LevelState::not_compared) REHEARSE_TRY(check_plant());

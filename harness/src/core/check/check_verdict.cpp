@@ -11,6 +11,7 @@
 #include "check_run.h"
 #include "code_of.h"
 #include "core/compare/compare_structure.h"
+#include "core/host/odd_command.h"
 #include "core/trace/trace_windows.h"
 #include "expectation_judge.h"
 
@@ -102,6 +103,21 @@ void judge_by_expectations(Check& check, const Trace& fresh) {
     report.verdict.add(code_of(report.expectations), std::move(judged));
   if (is_alone) report.first = divergence_of(*violation, fresh);
   report.message += violation_lines(report.expectations);
+}
+
+bool ended_before_its_first_tick(const RunSummary& run) { return run.ending() && run.ticks == 0; }
+
+void tell_early_end(CheckReport& report, const std::filesystem::path& actual, LevelState closed) {
+  report.closed = closed;
+  report.verdict = {code_of_failure(report), report.run->ending()->message};
+  report.message = fmt::format("this run: {}", actual.string());
+}
+
+void tell_odd_command(CheckReport& report) {
+  if (!report.run || report.within() || report.failed()) return;
+  const auto odd = odd_command_of(*report.run);
+  if (odd && report.verdict.code() != to_string(VerdictCode::controller_not_finite))
+    report.verdict.lead(VerdictCode::controller_not_finite, odd->sentence);
 }
 
 }  // namespace rehearse

@@ -17,5 +17,11 @@ void tell_duration(Check& check, const Divergence& change, const Trace& fresh);
 Result<void> test_reproduction(Check& check);
 /// Adds the expectations to the verdict. A run that is within tolerance, or was not compared, may violate them.
 void judge_by_expectations(Check& check, const Trace& fresh);
+/// True for a run that ended before a tick was recorded, as by a crash in initialize(): there is nothing to compare.
+bool ended_before_its_first_tick(const RunSummary& run);
+/// Sets the verdict on such a run: why it ended, and nothing else. `closed`: the state of that level.
+void tell_early_end(CheckReport& report, const std::filesystem::path& actual, LevelState closed);
+/// Leads the verdict on a run that differs or is wrong with the first command that isn't finite.
+void tell_odd_command(CheckReport& report);
 
 }  // namespace rehearse

@@ -44,6 +44,7 @@ constexpr auto rows = [] {
     {proof_wrong, "proof.wrong", "a check was proved, and its simulation has another result"},
     {undecided_nothing_compared, "undecided.nothing_compared", "neither a value nor an expectation was there to compare"},
     {undecided_bad_input, "undecided.bad_input", "the scenario can't be read, or its golden can't be used"},
+    {controller_not_finite, "controller.not_finite", "the run differs or is wrong, and a controller commands a number that isn't finite"},
   });
 }();
 // clang-format on
@@ -53,7 +54,7 @@ constexpr bool rows_are_in_order() {
     if (static_cast<std::size_t>(rows[i].code) != i) return false;
   return true;
 }
-static_assert(rows_are_in_order() && static_cast<std::size_t>(VerdictCode::undecided_bad_input) + 1 == rows.size(),
+static_assert(rows_are_in_order() && static_cast<std::size_t>(VerdictCode::controller_not_finite) + 1 == rows.size(),
               "VerdictCode and this table list the same codes in the same order");
 
 }  // namespace

@@ -151,6 +151,14 @@ Result<void> GoldenStore::check_digest(const std::string& name) const {
                               : way_back(digest_file(name).string() + " " + trace_file(name).string()));
 }
 
+std::vector<std::string> GoldenStore::names() const {
+  std::vector<std::string> names;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder_, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->path().extension() == ".mcap") names.push_back(entry->path().stem().string());
+  return names;
+}
+
 Result<void> GoldenStore::keep_pending(const std::string& name, const Trace& actual) const {
   std::error_code failed;
   fs::create_directories(pending_, failed);
@@ -196,9 +204,11 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
   if (!has(name)) {
     if (wrong) return fail_and_keep(name, actual, options.violation);
     if (mode != GoldenMode::check) return write(fmt::format("wrote the new golden {}", trace_file(name).string()));
-    return fail_and_keep(name, actual,
-                         fmt::format("there is no golden {}{}", trace_file(name).string(),
-                                     is_ci() ? "" : " (REHEARSE_GOLDEN=new writes it)"));
+    std::string hint = options.hint;
+    if (hint.empty() && !is_ci()) hint = "REHEARSE_GOLDEN=new writes it";
+    return fail_and_keep(
+        name, actual,
+        fmt::format("there is no golden {}{}", trace_file(name).string(), hint.empty() ? "" : " (" + hint + ")"));
   }
   if (const auto known = check_is_known(trace_file(name)); !known) {
     // The run itself is not at fault, so there is nothing to accept.

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/names.h"
 #include "golden_files.h"
 
 namespace rehearse {
@@ -176,6 +177,26 @@ std::map<std::string, GoldenOwners> reported_golden_owners(const GoldenStore& go
        entry.increment(failed))
     owners[entry->path().filename().string()] = owners_in(entry->path(), project);
   return owners;
+}
+
+std::string hint_for_missing(const GoldenStore& goldens, const std::string& golden) {
+  const fs::path project = project_of(goldens), notes = owners_folder(goldens.where_runs_wait());
+  const std::vector<OwnerNote> notes_of_golden = notes_in(notes / golden);
+  const auto is_used = [&](const std::string& name) {
+    const auto has_it = [&](const OwnerNote& note) {
+      return !note.source.empty() && has_test(project / note.source, name);
+    };
+    // a test that never ran here has no note, but may be in the source of the test that searches its golden
+    return std::ranges::any_of(notes_in(notes / name), has_it) || std::ranges::any_of(notes_of_golden, has_it) ||
+           find_golden_owners(goldens.folder(), {project}).contains(name);
+  };
+  for (const std::string& name : near_names(golden, goldens.names()))
+    if (!is_used(name))
+      return fmt::format(
+          "golden '{0}' has nearly that name, and no test of that name is known: correct the test's "
+          "name, or rename {1} and its .txt",
+          name, goldens.trace_file(name).string());
+  return {};
 }
 
 }  // namespace rehearse

@@ -17,6 +17,7 @@
 #include "core/guard/supervisor.h"
 #include "core/turns/scheduler.h"
 #include "debug_hook.h"
+#include "odd_command.h"
 #include "turn_order_file.h"
 
 namespace rehearse {
@@ -367,10 +368,8 @@ void ControllerHost::apply(std::size_t index, Timing timing, Command& command) {
     if (odd != end) {
       if (!hosted.reported.odd_outputs[field.offset])
         event(Severity::error, hosted.label,
-              fmt::format("wrote {} into {} of link '{}' at tick {}; it was recorded, but the robot keeps the command "
-                          "before it",
-                          *odd, name_of(field.quantity), scenario_->bodies[hosted.body].model->links[field.link].name,
-                          tick_));
+              odd_command_text(*odd, field.quantity, scenario_->bodies[hosted.body].model->links[field.link], tick_,
+                               time_of(tick_, scenario_->time_step)));
       hosted.reported.odd_outputs[field.offset] = true;
       continue;
     }

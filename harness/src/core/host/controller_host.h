@@ -31,6 +31,7 @@
 #include "host_joystick.h"
 #include "read_backs.h"
 #include "timing.h"
+#include "unread_inputs.h"
 #include "variables.h"
 
 namespace rehearse {
@@ -88,6 +89,9 @@ struct HostedController {
 /// The file of the library that a controller of the scenario is loaded from. `label`: "BODY/NAME".
 Result<std::filesystem::path> library_of(const Scenario& scenario, const ScenarioController& specification,
                                          const std::string& label, const HostOptions& options);
+/// note_on_builds() of that library.
+std::string note_on_builds_of(const Scenario& scenario, const ScenarioController& specification,
+                              const std::string& label, const HostOptions& options);
 
 /// The beginning of a linked library's name in ControllerHost::files_read().
 inline constexpr const char* linked_library_prefix = "the library ";
@@ -127,6 +131,8 @@ class ControllerHost {
   /// Of the controllers that were called in a tick.
   std::vector<ControlTimes> control_times() const;
   bool counts_costs() const { return counts_costs_; }
+  /// Warnings of inputs that a controller reads in ticks and never enabled; before stop(). No recording contains them.
+  std::vector<std::string> unread_inputs() const { return unread_inputs_.found(controllers_); }
   /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content, and the libraries that
   /// they link (linked_libraries()), as "BODY/NAME: the library file".
   std::map<std::string, std::string> files_read() const;
@@ -205,6 +211,7 @@ class ControllerHost {
   long run_ = 0;             // number of the run in this process, for debuggers
   bool controlled_ = false;  // at least one tick was made
   std::int64_t tick_ = 0;
+  UnreadInputs unread_inputs_;
 };
 
 /// Appends events as diagnostics, except the controllers' own messages.

@@ -8,16 +8,19 @@
 #include <rehearse/c_controller.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/hashing.h"
+#include "base/names.h"
 #include "body_loading.h"
 #include "core/guard/exception_text.h"
 #include "core/guard/guarded_call.h"
@@ -27,6 +30,7 @@
 #include "core/scenario/project.h"
 #include "hosted_language.h"
 #include "loaded_libraries.h"
+#include "sanitizer.h"
 
 namespace rehearse {
 namespace {
@@ -90,6 +94,49 @@ std::vector<fs::path> search_folders(const std::string& name, const fs::path& di
   }
   folders.push_back(own);
   return folders;
+}
+
+std::array<std::string, 2> names_of_file(const std::string& name) { return {name + ".so", "lib" + name + ".so"}; }
+
+/// The file in that folder that a name stands for; empty: it has none.
+fs::path file_in(const fs::path& folder, const std::string& name) {
+  for (const std::string& file : names_of_file(name))
+    if (is_controller_file(folder / file)) return folder / file;
+  return {};
+}
+
+/// CMAKE_BUILD_TYPE of a build; empty: it states none.
+std::string build_type_of(const fs::path& build) {
+  constexpr std::string_view key = "CMAKE_BUILD_TYPE:STRING=";
+  std::ifstream cache(build / "CMakeCache.txt");
+  for (std::string line; std::getline(cache, line);)
+    if (line.starts_with(key)) return line.substr(key.size());
+  return {};
+}
+
+/// "build-debug (Debug, AddressSanitizer)", of the build that has the library.
+std::string build_text(const fs::path& library) {
+  const fs::path build = library.parent_path() / "../../..";
+  std::string facts = build_type_of(build);
+  for (const Sanitizer& sanitizer : sanitizers_of(library))
+    facts += (facts.empty() ? "" : ", ") + std::string(sanitizer.name);
+  std::error_code ignored;
+  const std::string folder = fs::proximate(build.lexically_normal(), ignored).string();
+  return facts.empty() ? folder : fmt::format("{} ({})", folder, facts);
+}
+
+/// A sanitizer that doesn't let this process load the library; none: it can be loaded.
+std::optional<Sanitizer> unloadable_sanitizer(const fs::path& library) {
+  for (const Sanitizer& sanitizer : sanitizers_of(library))
+    if (sanitizer.comes_first && !is_in_process(sanitizer)) return sanitizer;
+  return std::nullopt;
+}
+
+std::string sanitizer_advice(const Sanitizer& sanitizer) {
+  const std::string build = fmt::format("build it without -fsanitize={}", sanitizer.word);
+  if (sanitizer.runtime.empty()) return build;
+  return fmt::format("{}, or preload the runtime: LD_PRELOAD=$(gcc -print-file-name={}) rehearse ...", build,
+                     sanitizer.runtime);
 }
 
 /// Advice about a missing controller.
@@ -165,10 +212,8 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
   if (is_path(name)) {
     candidates = places_of_path(name, directory);
   } else {
-    for (const fs::path& folder : search_folders(name, directory)) {
-      candidates.push_back(folder / (name + ".so"));
-      candidates.push_back(folder / ("lib" + name + ".so"));
-    }
+    for (const fs::path& folder : search_folders(name, directory))
+      for (const std::string& file : names_of_file(name)) candidates.push_back(folder / file);
   }
   std::string looked;
   for (const fs::path& candidate : candidates) {
@@ -177,6 +222,27 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
   }
   return error("controller library '" + name + "' not found",
                is_path(name) ? "looked for " + looked : advice_on_missing(looked, directory));
+}
+
+std::string note_on_builds(const std::string& name, const fs::path& directory) {
+  if (is_path(name)) return {};
+  const auto chosen = find_controller_library(name, directory);
+  if (!chosen) return {};
+  std::vector<fs::path> builds;
+  for (const fs::path& inside : {directory / "", fs::current_path() / ""})
+    if (const auto project = find_project(inside))
+      for (const fs::path& folder : built_folders(*project, name))
+        if (fs::path file = file_in(folder, name); !file.empty() && std::ranges::find(builds, file) == builds.end())
+          builds.push_back(std::move(file));
+  const auto taken = std::ranges::find(builds, *chosen);
+  const auto is_chosen = [&](const fs::path& folder) { return folder == chosen->parent_path(); };
+  const bool is_stated = std::ranges::any_of(stated_folders(), is_chosen);
+  if (taken == builds.end() || builds.size() < 2 || is_stated) return {};
+  builds.erase(taken);
+  std::vector<std::string> others;
+  for (const fs::path& file : builds) others.push_back(build_text(file));
+  return fmt::format("{} is taken from {}, where it is newest; also in: {}", chosen->filename().string(),
+                     build_text(*chosen), listed(others, 4));
 }
 
 Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, const std::string& label,
@@ -194,6 +260,10 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   if (const auto before = interrupted_libraries().find(absolute); before != interrupted_libraries().end())
     return error(name + " can't be loaded again in this process: before, it " + before->second,
                  "its static objects are incomplete; another process can load it");
+  if (const auto sanitizer = hosted ? std::nullopt : unloadable_sanitizer(absolute))
+    return error(
+        fmt::format("{} is built with {}, whose runtime must be loaded before this program", name, sanitizer->name),
+        sanitizer_advice(*sanitizer));
   std::string problem;
   LanguageProblem hosted_problem;
   register_body_loader();

@@ -32,6 +32,11 @@ namespace rehearse {
 /// program that was built in the project searches its own build alone. Fails with the list of searched places.
 Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
 
+/// Which build find_controller_library() takes the library from, where several builds of the project have it: the
+/// folder and its type of build, the sanitizers of the library, the rule, and the other builds. Empty: there was no
+/// choice.
+std::string note_on_builds(const std::string& name, const std::filesystem::path& directory);
+
 class ControllerLibrary {
  public:
   /// Loads the file for the controller `label` ("BODY/NAME"). Fails if it can't be loaded (the message has the C++ name

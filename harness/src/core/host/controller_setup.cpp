@@ -29,6 +29,25 @@ std::uint8_t drive_of(int mode) {
   return drive;
 }
 
+/// The name of a controller's library, and the folder in which it is searched.
+struct NamedLibrary {
+  std::string name;
+  std::filesystem::path directory;
+};
+
+NamedLibrary named_library(const Scenario& scenario, const ScenarioController& specification, const std::string& label,
+                           const HostOptions& options) {
+  const auto given = options.controllers.find(label);
+  NamedLibrary named{given == options.controllers.end() ? specification.library : given->second.library,
+                     folder_of(scenario)};
+  for (const std::string& name : {specification.name, label}) {
+    const auto replaced = options.libraries.find(name);
+    if (replaced == options.libraries.end()) continue;
+    named = {replaced->second, std::filesystem::current_path()};  // it was given on the command line
+  }
+  return named;
+}
+
 }  // namespace
 
 Observation initial_observation(const Scenario& scenario) {
@@ -90,16 +109,14 @@ Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& s
 
 Result<std::filesystem::path> library_of(const Scenario& scenario, const ScenarioController& specification,
                                          const std::string& label, const HostOptions& options) {
-  std::filesystem::path directory = folder_of(scenario);
-  const auto given = options.controllers.find(label);
-  std::string library = given == options.controllers.end() ? specification.library : given->second.library;
-  for (const std::string& name : {specification.name, label}) {
-    const auto replaced = options.libraries.find(name);
-    if (replaced == options.libraries.end()) continue;
-    library = replaced->second;
-    directory = std::filesystem::current_path();  // the library was given on the command line
-  }
-  return find_controller_library(library, directory);
+  const NamedLibrary named = named_library(scenario, specification, label, options);
+  return find_controller_library(named.name, named.directory);
+}
+
+std::string note_on_builds_of(const Scenario& scenario, const ScenarioController& specification,
+                              const std::string& label, const HostOptions& options) {
+  const NamedLibrary named = named_library(scenario, specification, label, options);
+  return note_on_builds(named.name, named.directory);
 }
 
 Result<void> ControllerHost::add(const ScenarioController& specification, int body, int parent) {
@@ -263,6 +280,7 @@ void ControllerHost::start() {
   }
   for (std::size_t i = 0; i < controllers_.size(); ++i)
     if (controllers_[i].is_called()) tell_shared_joints(i);
+  unread_inputs_.begin(controllers_);
 }
 
 }  // namespace rehearse

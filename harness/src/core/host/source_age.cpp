@@ -193,6 +193,8 @@ std::vector<std::string> notes_on_old_libraries(const Scenario& scenario, const 
   const auto look = [&](const ScenarioBody& body, const ScenarioController& controller) {
     const auto library = library_of(scenario, controller, body.name + "/" + controller.name, options);
     if (!library) return;  // a run reports a library that is missing
+    std::string chosen = note_on_builds_of(scenario, controller, body.name + "/" + controller.name, options);
+    if (!chosen.empty() && std::ranges::find(notes, chosen) == notes.end()) notes.push_back(std::move(chosen));
     add_notes(*library, seen, notes);
     // runs in forks of this process find the hash that they need of it
     if (!hosted_name(*library)) static_cast<void>(content_hash_of(fs::absolute(*library)));

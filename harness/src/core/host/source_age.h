@@ -21,7 +21,7 @@ namespace rehearse {
 /// is looked at once in a process.
 std::vector<std::string> notes_on_old_library(const std::filesystem::path& library);
 
-/// These sentences of the libraries that a run of the scenario loads, each once.
+/// These sentences of the libraries that a run of the scenario loads, and note_on_builds() of each, each once.
 std::vector<std::string> notes_on_old_libraries(const Scenario& scenario, const HostOptions& options);
 
 /// Prints sentences to stderr as notes, each once in a process.

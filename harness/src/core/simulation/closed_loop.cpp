@@ -91,6 +91,8 @@ std::optional<Diagnostic> ClosedLoop::failure() const {
 
 Result<RunSummary> ClosedLoop::finish() {
   const StandardFloatMode float_mode;
+  if (plant->tick() > 1)  // remarks that no recording contains
+    for (const std::string& sentence : host->unread_inputs()) summary.remarks.push_back(warning(sentence));
   host->stop(plant->tick());
   summary.failure = failure();
   summary.end = end();

@@ -18,6 +18,7 @@
 #include "core/check/noise_floor.h"
 #include "core/check/unknown_series.h"
 #include "core/golden/run_folder.h"
+#include "core/host/odd_command.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "test_history.h"
@@ -106,6 +107,21 @@ std::optional<double> measured_horizon(const fs::path& golden) {
   return trace ? estimated_horizon(*trace) : std::nullopt;
 }
 
+/// The errors that the run of a recording had, which didn't end it.
+Diagnostics errors_in(const Trace& trace) {
+  Diagnostics errors;
+  for (const msg::Event& event : trace.events())
+    if (event.severity == to_string(Severity::error)) errors.push_back(error(event.source + ": " + event.text));
+  return errors;
+}
+
+/// The first command of a recording that isn't finite; none: its commands are finite.
+std::optional<OddCommand> odd_command_in(const Trace& trace) {
+  RunSummary run;
+  run.remarks = errors_in(trace);
+  return odd_command_of(run);
+}
+
 /// The result of a check whose run is replaced by this recording.
 Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_by, const MatchOptions& options,
                                     const fs::path& golden, const fs::path& actual) {
@@ -121,7 +137,9 @@ Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_b
     std::error_code failed;
     fs::copy_file(trace.file(), file, fs::copy_options::overwrite_existing, failed);
     if (failed) return error(fmt::format("can't write {}: {}", file.string(), failed.message()));
-    return RunSummary();
+    RunSummary run;
+    run.remarks = errors_in(trace);
+    return run;
   };
   const auto proving = proof_mode();
   if (proving && proving->on && !levels.closed) levels.certificates = certificates_of(golden_store());
@@ -145,6 +163,7 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
   text += tables_text(report);
   text += fmt::format("golden: {}\n{}", golden.string(), report.message);
   if (!report.run_is_wrong()) return text;
+  if (report.run && odd_command_of(*report.run)) return text;  // neither the golden nor the expectations are at fault
   if (const ExpectationResult* violation = first_violation(report.expectations))
     return text +
            fmt::format("\nif the run is right, correct the expectations in {}", violation->expectation.place.file);
@@ -221,6 +240,7 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
     if (!doubt) return {false, to_string(doubt.errors())};
     settling.violation = *std::move(doubt);
   }
+  if (!store.has(test)) settling.hint = hint_for_missing(golden_store(), test);  // `store` has no notes of tests
   const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
   GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
                                     : GoldenResult{true, "", std::nullopt, false};
@@ -255,6 +275,8 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   ComparedTest compared;
   TestVerdict verdict = judge(trace, test, options, store, compared);
   if (compared.golden.empty()) return verdict;  // nothing was compared, because the options were wrong
+  const auto odd = verdict.passed ? std::nullopt : odd_command_in(trace);
+  if (odd && !verdict.message.starts_with(odd->sentence)) verdict.message = odd->sentence + "; " + verdict.message;
   if (compared.checked) {
     compared.in_brief.verdict = compared.checked->verdict;
     compared.in_brief.first = compared.checked->first;

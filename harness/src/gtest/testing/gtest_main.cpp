@@ -1,7 +1,10 @@
 // main() of tests that use <rehearse/gtest.h>.
 #include <gtest/gtest.h>
 
+#include <string_view>
+
 #include "core/guard/supervise.h"
+#include "core/host/source_age.h"
 #include "placed_failures.h"
 #include "test_process.h"
 
@@ -17,9 +20,18 @@ class Tasks : public testing::EmptyTestEventListener {
   int left_ = 0;
 };
 
+/// Prints the notes on old libraries if the words are `--gtest_list_tests --rehearse_notes_on LIBRARY...`, as ctest
+/// asks at its start (RehearseControllers.cmake). A program with another main() lists its tests, and runs none.
+bool told_notes(int argc, char** argv) {
+  if (argc < 3 || std::string_view(argv[2]) != "--rehearse_notes_on") return false;
+  for (int i = 3; i < argc; ++i) rehearse::tell_old_libraries(rehearse::notes_on_old_library(argv[i]));
+  return true;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (told_notes(argc, argv)) return 0;
   rehearse::internal::begin_test_process(argv);
   ::testing::InitGoogleTest(&argc, argv);
   ::testing::TestEventListeners& listeners = ::testing::UnitTest::GetInstance()->listeners();

@@ -10,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/names.h"
 #include "core/check/own_run.h"
 #include "core/golden/run_folder.h"
 #include "core/host/source_age.h"
@@ -107,13 +108,19 @@ std::string remarks_text(const ReplayReport& report) {
   return text;
 }
 
+/// Advice on the missing golden of a replay.
+std::string advice_on(const std::string& name, const GoldenStore& store) {
+  const std::vector<std::string> near = near_names(name, store.names());
+  return near.empty() ? "the run of a test becomes one: EXPECT_MATCHES_GOLDEN"
+                      : near_hint(near, store.names(), "goldens");
+}
+
 /// `differing`: set to the result of a replay with other commands.
 TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name,
                                std::optional<ReplayReport>& differing) {
   report_golden_owner(store, name, "EXPECT_REPLAYS");
   if (!store.has(name))
-    return {false, fmt::format("there is no golden {}; the run of a test becomes one: EXPECT_MATCHES_GOLDEN",
-                               store.trace_file(name).string())};
+    return {false, fmt::format("there is no golden {}; {}", store.trace_file(name).string(), advice_on(name, store))};
   if (const auto golden = mcap::Reader::open(store.trace_file(name)))
     if (const auto scenario = scenario_of(**golden)) tell_old_libraries(notes_on_old_libraries(*scenario, {}));
   const auto report = own_replay(store.trace_file(name), {});
