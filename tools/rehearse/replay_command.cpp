@@ -2,6 +2,7 @@
 // For the log of a real robot see replay_log.h, for single ticks replay_ticks.h, for gdb debugger.h.
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
+#include <rehearse/pin.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
 
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -30,7 +32,9 @@
 #include "core/host/source_age.h"
 #include "core/host/turn_order_file.h"
 #include "core/host/virtualised.h"
+#include "core/recording/provenance.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
 #include "debugger.h"
 #include "lockstep.h"
 #include "log_verbs.h"
@@ -42,6 +46,13 @@
 
 namespace rehearse::tool {
 namespace {
+
+/// A recording that a tap made in a robot's loop.
+struct Flight {
+  std::string controller;   // its name
+  std::string mathematics;  // of the robot's processor: mathematics_of_processor()
+  std::string tunables;     // GLIBC_TUNABLES of the loop
+};
 
 struct ReplaySettings {
   std::string trace;
@@ -59,6 +70,9 @@ struct ReplaySettings {
   std::string controller, model, map, scenario;
   TimeSpan span;
 
+  std::optional<Flight> flight;
+
+  bool is_of_a_flight() const { return flight.has_value(); }
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
 
@@ -111,6 +125,31 @@ void tell(const ReplaySettings& settings, const ReplayReport& report, double sec
              report.values_different, count_text(report.values, "commanded number"));
 }
 
+/// What a recording states, if it is a flight.
+std::optional<Flight> flight_in(const std::string& trace) {
+  const auto reader = mcap::Reader::open(trace);
+  if (!reader) return std::nullopt;  // its replay reports that
+  const RunFacts facts = RunFacts::of(**reader);
+  const auto scenario = facts.is_of_flight ? scenario_of(**reader) : Result<Scenario>(error(""));
+  if (!scenario || scenario->bodies[0].controllers.empty()) return std::nullopt;
+  Flight flight{scenario->bodies[0].controllers[0].name, {}, facts.stated(facts::pinned_mathematics)};
+  for (const mcap::Metadata& entry : (*reader)->metadata())
+    if (entry.name == records::flight) flight.mathematics = stated(entry.values, flight_facts::mathematics);
+  return flight;
+}
+
+/// The loop on the robot wasn't pinned: if this processor has the same variants of sin, exp and so on, the program
+/// starts again without pinning. Returns if it needn't, or can't.
+void take_mathematics_of(const Flight& flight) {
+  if (!is_pinned() || flight.mathematics != mathematics_of_processor()) return;
+  std::ifstream stream("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(stream, word, '\0');) words.push_back(word);
+  EnvironmentChanges changes{{"REHEARSE_PIN", "off"}, {"GLIBC_TUNABLES", std::nullopt}};
+  if (!flight.tunables.empty()) changes["GLIBC_TUNABLES"] = flight.tunables;
+  replace_process(own_program(), pointers_to(words).data(), changes);
+}
+
 /// Continues in gdb with the same arguments.
 Exit run_in_gdb(const ReplaySettings& settings, const CLI::App& options) {
   const std::vector<std::string> words = words_without_debugger("replay", options);
@@ -147,7 +186,7 @@ Result<void> check_usage(const ReplaySettings& settings) {
                  "leave one of them out");
   if (!settings.is_of_a_log()) {
     if (!settings.scenario.empty()) return error("--scenario is for a robot's log, with --model and --map");
-    if (!settings.controller.empty())
+    if (!settings.controller.empty() && !settings.is_of_a_flight())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
                    "a library alone is for a robot's log, with --model and --map");
     if (settings.output.empty()) return {};
@@ -203,6 +242,12 @@ std::vector<std::string> notes_on_libraries_of(const ReplaySettings& settings) {
 }
 
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
+  settings.flight = settings.is_of_a_log() ? std::nullopt : flight_in(settings.trace);
+  if (settings.is_of_a_flight()) {
+    take_mathematics_of(*settings.flight);
+    if (!settings.controller.empty())
+      settings.replay.libraries.emplace(settings.flight->controller, settings.controller);
+  }
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
   if (!settings.order.empty())
     if (const auto order = take_turn_order(settings.order); !order) return refuse(order.errors());
@@ -326,6 +371,7 @@ extern const Verb replay_verb{
     "  rehearse replay failed.mcap --when 'Walker/KNEE/u > 100 && contact(LEFT_FOOT)'\n"
     "  rehearse replay failed.mcap --gdb --tick 3204\n"
     "  rehearse replay walk.mcap --set 'Walker/KNEE/q=nan@tick:1200' -o what_if.mcap\n"
+    "  rehearse replay flight.mcap --controller build/libWalk.so\n"
     "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
     declare_replay};
 
