@@ -32,7 +32,7 @@
 #include "core/host/source_age.h"
 #include "core/host/turn_order_file.h"
 #include "core/host/virtualised.h"
-#include "core/recording/provenance.h"
+#include "core/recording/mathematics.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "debugger.h"

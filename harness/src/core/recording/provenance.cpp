@@ -1,7 +1,6 @@
 #include "provenance.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gnu/libc-version.h>
 #include <rehearse/pin.h>
 
@@ -10,7 +9,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <string_view>
 
 #include "base/hashing.h"
@@ -160,19 +158,6 @@ std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::String
                         before, after);
   }
   return text;
-}
-
-std::string mathematics_of_processor() {
-  std::ifstream lines("/proc/cpuinfo");
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("flags") && !line.starts_with("Features")) continue;
-    std::istringstream words(line.substr(std::min(line.find(':') + 1, line.size())));
-    std::set<std::string> kept;
-    for (std::string word; words >> word;)
-      if (word == "fma" || word == "fma4" || word == "avx" || word == "avx2" || word == "asimd") kept.insert(word);
-    return fmt::format("{}", fmt::join(kept, " "));
-  }
-  return {};
 }
 
 mcap::StringMap controller_facts(const ControllerHost& host) {

@@ -19,9 +19,6 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
 /// with the facts `recorded`: "libc was "glibc 2.36" and is ...". Empty: the bits are equal.
 std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here);
 
-/// The features of this machine's processor by which libm chooses its functions: "avx2 fma". Empty: it isn't known.
-std::string mathematics_of_processor();
-
 /// Only the controllers' files.
 mcap::StringMap controller_facts(const ControllerHost& host);
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/kinds/kinds.h"
+#include "core/recording/mathematics.h"
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
 #include "flight_writer.h"
