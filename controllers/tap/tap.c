@@ -3,14 +3,20 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <link.h>
 #include <rehearse/tap.h>
 #include <rehearse/tap_ring.h>
+#include <sched.h>
+#include <signal.h>
+#include <spawn.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/utsname.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -23,8 +29,12 @@ struct rehearse_tap {
   uint64_t tick;    /* the next one */
   unsigned char* memory;
   size_t memory_size;
+  char name[tap_longest_name + 1];
   int descriptor;
-  int has_begun; /* the series are fixed */
+  int is_mine;             /* the file of that name is this ring */
+  pid_t process, recorder; /* the recorder that it has started; 0: none */
+  int has_begun;           /* the series are fixed */
+  int has_program;         /* the facts of the program are stated */
   int series;
   char body[208];               /* of all series; empty: there is none */
   uint32_t counts[most_series]; /* of their numbers */
@@ -110,15 +120,45 @@ static pid_t owner_of(int descriptor, int byte) {
   return lock.l_pid;
 }
 
-/* There is a file of that name: states what it is, or keeps it aside. 0: the name is free now. */
+/* Whether a tap of that name is open in this process, whose files must stay open: closing one would release its locks.
+ */
+static int has_tap(const char* name) {
+  const rehearse_tap* tap = opened;
+  while (tap && (tap->process != getpid() || strcmp(tap->name, name) != 0)) tap = tap->next;
+  return tap != NULL;
+}
+
+/* Decides about a file that this process has locked as its writer. `reader`: the process that takes its ticks, or 0. */
+static int give_up(const char* name, const char* path, const tap_ring_head* head, pid_t reader, int replace) {
+  char before[path_size + 16];
+  const int is_ring = head->magic == TAP_MAGIC && head->version == TAP_VERSION;
+  /* Nothing is lost with a ring that its loop hasn't finished, that is in a file, or that a recorder has open. */
+  if (head->magic == 0 || (is_ring && (reader != 0 || head->saved >= head->written))) {
+    if (unlink(path) != 0) return fail("%s can't be removed: %s", path, strerror(errno));
+    return 0;
+  }
+  if (!replace) {
+    if (head->magic != TAP_MAGIC) return fail("%s is no ring of a tap; remove it, or set `replace`", path);
+    if (!is_ring)
+      return fail("the ring '%s' is of version %u, and this library writes version %d; remove %s, or set `replace`",
+                  name, head->version, TAP_VERSION, path);
+    return fail(
+        "process %d, which has ended, left a ring '%s' with ticks that are in no recording; rehearse tap %s "
+        "--recover saves them, or set `replace`, which keeps the ring as '%s.before'",
+        (int)head->pid, name, name, name);
+  }
+  snprintf(before, sizeof before, "%s.before", path);
+  if (rename(path, before) != 0) return fail("%s can't be renamed: %s", path, strerror(errno));
+  return 0;
+}
+
+/* There is a file of that name: states what it is, removes it, or keeps it aside. 0: the name is free now. Of two
+ * processes that come at the same time only one gets the lock. */
 static int make_way(const char* name, const char* path, int replace) {
   tap_ring_head head;
-  struct stat found;
-  char before[path_size + 16];
-  pid_t owner, reader;
-  ssize_t size;
-  int of_this_process, is_ring;
-  const int descriptor = open(path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+  struct stat found, named;
+  int result;
+  const int descriptor = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {
     if (errno == ENOENT) return 0;
     if (errno == ELOOP) return fail("%s is a link, and a tap follows none", path);
@@ -126,57 +166,32 @@ static int make_way(const char* name, const char* path, int replace) {
   }
   if (fstat(descriptor, &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid() ||
       (found.st_mode & 077) != 0) {
-    close(descriptor);
-    return fail("%s is no ring of a tap: it belongs to another user, or others may open it", path);
+    result = fail("%s is no ring of a tap: it belongs to another user, or others may open it", path);
+  } else if (lock_byte(descriptor, tap_lock_of_writer) != 0) {
+    result = fail("the tap '%s' is in use by process %d: each loop needs a name of its own", name,
+                  (int)owner_of(descriptor, tap_lock_of_writer));
+  } else if (lstat(path, &named) != 0 || named.st_dev != found.st_dev || named.st_ino != found.st_ino) {
+    result = fail("another process opens the tap '%s' at the same time: each loop needs a name of its own", name);
+  } else {
+    memset(&head, 0, sizeof head);
+    result = pread(descriptor, &head, sizeof head, 0) < 0
+                 ? fail("%s can't be read: %s", path, strerror(errno))
+                 : give_up(name, path, &head, owner_of(descriptor, tap_lock_of_reader), replace);
   }
-  memset(&head, 0, sizeof head);
-  size = pread(descriptor, &head, sizeof head, 0);
-  of_this_process = size == (ssize_t)sizeof head && head.magic == TAP_MAGIC && head.pid == (int32_t)getpid() &&
-                    head.process_start == start_of(getpid());
-  if (of_this_process) {
-    /* Closing a descriptor would take the locks of this process from the file, so this one stays open. */
-    const rehearse_tap* tap = opened;
-    while (tap && tap->ring.head->monotonic_ns != head.monotonic_ns) tap = tap->next;
-    if (tap) return fail("this process has a tap '%s' already", name);
-  }
-  owner = owner_of(descriptor, tap_lock_of_writer);
-  reader = owner_of(descriptor, tap_lock_of_reader);
   close(descriptor);
-  if (owner != 0)
-    return fail("the tap '%s' is in use by process %d: each loop needs a name of its own", name, (int)owner);
-  is_ring = size == (ssize_t)sizeof head && head.magic == TAP_MAGIC && head.version == TAP_VERSION;
-  /* Nothing is lost with a ring whose ticks are taken. A black box takes none: it has the ring open. */
-  if (is_ring && head.read >= head.written && (head.read != UINT64_MAX || reader != 0 || head.written == 0)) {
-    if (unlink(path) != 0) return fail("%s can't be removed: %s", path, strerror(errno));
-    return 0;
-  }
-  if (size != (ssize_t)sizeof head || head.magic != TAP_MAGIC) {
-    if (!replace) return fail("%s is no ring of a tap; remove it, or set `replace`", path);
-  } else if (head.version != TAP_VERSION) {
-    if (!replace)
-      return fail("the ring '%s' is of version %u, and this library writes version %d; remove %s, or set `replace`",
-                  name, head.version, TAP_VERSION, path);
-  } else if (!replace) {
-    return fail(
-        "process %d, which has ended, left a ring '%s' with ticks that are in no recording; rehearse tap %s "
-        "--recover saves them, or set `replace`, which keeps the ring as '%s.before'",
-        (int)head.pid, name, name, name);
-  }
-  snprintf(before, sizeof before, "%s.before", path);
-  if (rename(path, before) != 0) return fail("%s can't be renamed: %s", path, strerror(errno));
-  return 0;
+  return result;
 }
 
 static int write_head(tap_ring_head* head, const rehearse_tap_options* options, const char* name, uint64_t words) {
-  const char* controller = options && options->controller ? options->controller : name;
+  const char* controller = options->controller ? options->controller : name;
   if (!is_word(controller, sizeof head->controller - 1) || strchr(controller, '/'))
     return fail("the controller's name '%s' has a '/' or a control character, or is too long", controller);
   snprintf(head->controller, sizeof head->controller, "%s", controller);
-  head->time_step = options && options->time_step != 0 ? options->time_step : 0.001;
-  head->seconds = options && options->seconds != 0 ? options->seconds : 60;
+  head->time_step = options->time_step != 0 ? options->time_step : 0.001;
+  head->seconds = options->seconds != 0 ? options->seconds : 60;
   if (!(head->time_step >= 1e-6 && head->time_step <= 10)) return fail("the time step isn't between 1 us and 10 s");
   if (!(head->seconds > 0 && head->seconds <= 1e6)) return fail("the length of a black box isn't positive");
-  if (options && options->model) {
+  if (options->model) {
     char* path = realpath(options->model, NULL);
     if (!path) return fail("the model %s: %s", options->model, strerror(errno));
     if (strlen(path) >= sizeof head->model) {
@@ -215,11 +230,15 @@ static uint64_t hash_of_definitions(const unsigned char* text, uint64_t size) {
 
 /* Makes the file, maps it and touches it all. */
 static int map_ring(rehearse_tap* tap, const char* path, uint64_t words) {
+  struct stat made, named;
   int failed;
   tap->memory_size = tap_words_place + words * 8;
   tap->descriptor = open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (tap->descriptor < 0) return fail("%s can't be made: %s", path, strerror(errno));
-  if (lock_byte(tap->descriptor, tap_lock_of_writer) != 0) return fail("%s can't be locked: %s", path, strerror(errno));
+  if (lock_byte(tap->descriptor, tap_lock_of_writer) != 0 || fstat(tap->descriptor, &made) != 0 ||
+      lstat(path, &named) != 0 || made.st_dev != named.st_dev || made.st_ino != named.st_ino)
+    return fail("another process opens the tap '%s' at the same time: each loop needs a name of its own", tap->name);
+  tap->is_mine = 1;
   failed = posix_fallocate(tap->descriptor, 0, (off_t)tap->memory_size);
   if (failed != 0)
     return fail("/dev/shm has no room for a ring of %llu MiB: %s", (unsigned long long)(words >> 17), strerror(failed));
@@ -239,12 +258,118 @@ static void release(rehearse_tap* tap) {
   free(tap);
 }
 
+/* Starts the recorder. It must not have the loop's priority, its processor, its blocked signals and its files. */
+static int start_recorder(rehearse_tap* tap, const rehearse_tap_options* options) {
+  char output[PATH_MAX];
+  char* words[] = {"rehearse", "tap", tap->name, "-o", output, NULL, NULL};
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_t files;
+  struct sched_param ordinary;
+  sigset_t none, all;
+  cpu_set_t before, processors;
+  int failed;
+  const int has_before = sched_getaffinity(0, sizeof before, &before) == 0;
+  const int length = options->output ? snprintf(output, sizeof output, "%s", options->output)
+                                     : snprintf(output, sizeof output, "%s.mcap", tap->name);
+  if (length <= 0 || (size_t)length >= sizeof output) return fail("the path of the recorder's file is too long");
+  if (options->spawn == REHEARSE_TAP_BLACK_BOX) words[5] = "--black-box";
+  memset(&ordinary, 0, sizeof ordinary);
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_setschedpolicy(&attributes, SCHED_OTHER);
+  posix_spawnattr_setschedparam(&attributes, &ordinary);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setflags(
+      &attributes, POSIX_SPAWN_SETSCHEDULER | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSID);
+  posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
+#if defined __GLIBC__ && __GLIBC_PREREQ(2, 34)
+  posix_spawn_file_actions_addclosefrom_np(&files, 3);
+#endif
+  memset(&processors, 0xff, sizeof processors);
+  if (has_before) sched_setaffinity(0, sizeof processors, &processors);
+  failed = posix_spawnp(&tap->recorder, words[0], &files, &attributes, words, environ);
+  if (has_before) sched_setaffinity(0, sizeof before, &before);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (failed == 0) return 0;
+  tap->recorder = 0;
+  return fail("the recorder 'rehearse' can't be started: %s; it must be in a folder of PATH", strerror(failed));
+}
+
+static int define(rehearse_tap* tap, const char* const* words, size_t count);
+
+static int state_fact(rehearse_tap* tap, const char* key, const char* value) {
+  const char* const words[] = {"machine", key, value};
+  return is_word(value, 4000) ? define(tap, words, 3) : 0;
+}
+
+/* Two digits a byte of the build id of a loaded object; empty: it has none. */
+static void build_id_of(const struct dl_phdr_info* object, char* text, size_t size) {
+  int i;
+  text[0] = 0;
+  for (i = 0; i < object->dlpi_phnum; ++i) {
+    const unsigned char* at = (const unsigned char*)object->dlpi_addr + object->dlpi_phdr[i].p_vaddr;
+    size_t left = object->dlpi_phdr[i].p_memsz;
+    if (object->dlpi_phdr[i].p_type != PT_NOTE) continue;
+    while (left >= sizeof(ElfW(Nhdr))) {
+      ElfW(Nhdr) note;
+      size_t name, all, k;
+      memcpy(&note, at, sizeof note);
+      name = sizeof note + (note.n_namesz + 3u) / 4 * 4;
+      all = name + (note.n_descsz + 3u) / 4 * 4;
+      if (all > left) break;
+      if (note.n_type == NT_GNU_BUILD_ID && note.n_namesz == 4 && memcmp(at + sizeof note, "GNU", 4) == 0) {
+        for (k = 0; k < note.n_descsz && 2 * k + 2 < size; ++k) snprintf(text + 2 * k, 3, "%02x", at[name + k]);
+        return;
+      }
+      at += all;
+      left -= all;
+    }
+  }
+}
+
+/* Of the program, which comes first, and of libm. */
+static int state_object(struct dl_phdr_info* object, size_t size, void* data) {
+  rehearse_tap* const tap = data;
+  const char* const end = strrchr(object->dlpi_name, '/');
+  const char* const file = end ? end + 1 : object->dlpi_name;
+  const int is_libm = strncmp(file, "libm.so", 7) == 0 || strncmp(file, "libm-", 5) == 0;
+  char id[96];
+  (void)size;
+  if (tap->has_program && !is_libm) return 0;
+  build_id_of(object, id, sizeof id);
+  if (!tap->has_program && state_fact(tap, "program_build_id", id) != 0) return -1;
+  tap->has_program = 1;
+  return is_libm ? state_fact(tap, "libm_build_id", id) : 0;
+}
+
+/* What decides the last bits of a loop's numbers, and identifies its program. */
+static int state_machine(rehearse_tap* tap) {
+  struct utsname machine;
+  char program[PATH_MAX];
+  const char* const tunables = getenv("GLIBC_TUNABLES");
+  const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+  if (length > 0) {
+    program[length] = 0;
+    if (state_fact(tap, "program", strrchr(program, '/') ? strrchr(program, '/') + 1 : program) != 0) return -1;
+  }
+  if (uname(&machine) == 0 && state_fact(tap, "architecture", machine.machine) != 0) return -1;
+  if (tunables && state_fact(tap, "tunables", tunables) != 0) return -1;
+  return dl_iterate_phdr(state_object, tap);
+}
+
 rehearse_tap* rehearse_tap_open(const char* name, const rehearse_tap_options* options) {
+  static const rehearse_tap_options defaults;
   char path[path_size];
   uint64_t words = 1u << 16; /* half a MiB */
-  const uint64_t wanted = (uint64_t)(options && options->megabytes ? options->megabytes : 64) << 17;
+  uint64_t wanted;
   rehearse_tap* tap;
   tap_ring_head* head;
+  if (!options) options = &defaults;
+  wanted = (uint64_t)(options->megabytes ? options->megabytes : 64) << 17;
   last_error[0] = 0;
   if (!is_name(name)) {
     fail("the name of a tap has 1 to %d letters, digits, '-', '_' and '.'", tap_longest_name);
@@ -254,25 +379,39 @@ rehearse_tap* rehearse_tap_open(const char* name, const rehearse_tap_options* op
     fail("a ring of more than 8192 MiB isn't made");
     return NULL;
   }
+  if (options->spawn < 0 || options->spawn > REHEARSE_TAP_BLACK_BOX) {
+    fail("`spawn` is 0, REHEARSE_TAP_RECORDER or REHEARSE_TAP_BLACK_BOX");
+    return NULL;
+  }
+  if (has_tap(name)) {
+    fail("this process has a tap '%s' already", name);
+    return NULL;
+  }
   while (words < wanted) words *= 2;
   snprintf(path, sizeof path, "/dev/shm/rehearse-tap-%u-%s", (unsigned)geteuid(), name);
-  if (make_way(name, path, options && options->replace) != 0) return NULL;
+  if (make_way(name, path, options->replace) != 0) return NULL;
   tap = calloc(1, sizeof *tap);
   if (!tap) {
     fail("there is no memory");
     return NULL;
   }
   tap->descriptor = -1;
+  tap->process = getpid();
+  snprintf(tap->name, sizeof tap->name, "%s", name);
   tap->record = malloc(tap_most_record_words * 8);
+  if (!tap->record) fail("there is no memory");
   if (!tap->record || map_ring(tap, path, words) != 0) {
-    if (!tap->record) fail("there is no memory");
-    if (tap->descriptor >= 0) unlink(path);
+    if (tap->is_mine) unlink(path);
     release(tap);
     return NULL;
   }
   memset(tap->record, 0, tap_most_record_words * 8); /* touches it */
   head = (tap_ring_head*)tap->memory;
-  if (write_head(head, options, name, words) != 0) {
+  tap->ring.head = head;
+  tap->ring.words = (uint64_t*)(tap->memory + tap_words_place);
+  tap->ring.size = words;
+  head->definitions_hash = hash_of_definitions(NULL, 0);
+  if (write_head(head, options, name, words) != 0 || state_machine(tap) != 0) {
     unlink(path);
     release(tap);
     return NULL;
@@ -280,11 +419,12 @@ rehearse_tap* rehearse_tap_open(const char* name, const rehearse_tap_options* op
   head->is_locked = mlock(tap->memory, tap->memory_size) == 0 && mlock(tap->record, tap_most_record_words * 8) == 0 &&
                     mlock(tap, sizeof *tap) == 0;
   head->hash = hash_of_head(head);
-  head->definitions_hash = hash_of_definitions(NULL, 0);
-  tap->ring.head = head;
-  tap->ring.words = (uint64_t*)(tap->memory + tap_words_place);
-  tap->ring.size = words;
   TAP_STORE_RELEASE(&head->magic, TAP_MAGIC);
+  if (options->spawn && start_recorder(tap, options) != 0) {
+    unlink(path);
+    release(tap);
+    return NULL;
+  }
   tap->next = opened;
   opened = tap;
   return tap;
@@ -299,6 +439,7 @@ void rehearse_tap_close(rehearse_tap* tap) {
     rehearse_tap_end(tap);
   }
   TAP_STORE_RELEASE(&tap->ring.head->is_closed, 1);
+  if (tap->recorder > 0) waitpid(tap->recorder, NULL, WNOHANG); /* if it has ended */
   while (*place && *place != tap) place = &(*place)->next;
   if (*place) *place = tap->next;
   release(tap);
@@ -459,14 +600,9 @@ int rehearse_tap_parameter(rehearse_tap* tap, const char* key, const char* value
 
 /* From here on nothing calls the system. */
 
-static uint64_t count_up(uint64_t* counter) {
-  const uint64_t count = TAP_LOAD(counter) + 1;
-  TAP_STORE(counter, count);
-  return count;
-}
-
 static int refuse(rehearse_tap* tap) {
-  count_up(&tap->ring.head->refused);
+  uint64_t* const refused = &tap->ring.head->refused;
+  TAP_STORE(refused, TAP_LOAD(refused) + 1);
   return -1;
 }
 
@@ -559,6 +695,21 @@ int rehearse_tap_text(rehearse_tap* tap, const char* text) {
   return 0;
 }
 
+int rehearse_tap_image(rehearse_tap* tap, const char* camera, const char* picture) {
+  size_t length, length_of_picture;
+  uint64_t* entry;
+  if (!tap) return 0;
+  length = camera ? length_up_to(camera, longest_reason + 1) : 0;
+  length_of_picture = picture ? length_up_to(picture, longest_text + 1) : 0;
+  if (length == 0 || length > longest_reason || length_of_picture == 0 || length_of_picture > longest_text)
+    return refuse(tap);
+  entry = add_entry(tap, tap_image, 0, words_of(length) + words_of(length_of_picture));
+  if (!entry) return -1;
+  put_bytes(entry, camera, length);
+  put_bytes(entry + words_of(length), picture, length_of_picture);
+  return 0;
+}
+
 void rehearse_tap_end(rehearse_tap* tap) {
   if (!tap || tap->count == 0) return;
   tap->record[0] = tap->count;
@@ -579,7 +730,6 @@ void rehearse_tap_mark(rehearse_tap* tap, const char* reason) {
     add_mark(tap);
   else
     tap->is_marked = 1;
-  count_up(&tap->ring.head->marks);
 }
 
 uint64_t rehearse_tap_dropped(const rehearse_tap* tap) { return tap ? tap->ring.dropped : 0; }

@@ -14,7 +14,10 @@
 #include <rehearse/tap.hpp>
 
 #include <array>
+#include <chrono>
+#include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -22,8 +25,8 @@
 #include <thread>
 #include <vector>
 
-static std::size_t allocations = 0;  // of the process
-#ifndef __SANITIZE_ADDRESS__         // which has a malloc() of its own
+static std::size_t allocations = 0;                                // of the process
+#if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__  // which have a malloc() of their own
 extern "C" void* __libc_malloc(std::size_t size);
 extern "C" void* malloc(std::size_t size) {
   ++allocations;
@@ -139,6 +142,146 @@ TEST_F(TapTest, RefusesASecondWriterAndWhatIsLeftOver) {
   rehearse_tap_close(tap);
 }
 
+/// Leaves a ring with a tick, as a loop that dies does.
+int leave_a_ring(rehearse_tap* tap) {
+  rehearse_tap_begin(tap, 0);
+  rehearse_tap_end(tap);
+  return tap ? 0 : 1;
+}
+
+/// A word of the head of a ring's file.
+void put(const fs::path& ring, std::size_t place, std::uint64_t word) {
+  std::fstream file(ring, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(place));
+  file.write(reinterpret_cast<const char*>(&word), sizeof word);
+}
+
+TEST_F(TapTest, RemovesARingOfWhichNothingIsLost) {
+  ASSERT_EQ(in_a_process([&] { return leave_a_ring(open()); }), 0);
+  put(ring(), offsetof(tap_ring_head, saved), ~std::uint64_t{0});  // all of it is in a file
+  rehearse_tap_close(open());
+
+  fs::remove(ring());
+  std::ofstream(ring()) << std::string(1000, '\0');  // a loop was killed while it made it
+  fs::permissions(ring(), fs::perms::owner_read | fs::perms::owner_write);
+  rehearse_tap* tap = open();
+  EXPECT_NE(tap, nullptr) << error();
+  rehearse_tap_close(tap);
+
+  fs::remove(ring());
+  ASSERT_EQ(in_a_process([&] { return leave_a_ring(open()); }), 0);
+  int ready[2], end[2];  // a recorder has the ring open
+  ASSERT_EQ(pipe(ready) + pipe(end), 0);
+  const pid_t recorder = fork();
+  if (recorder == 0) {
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_start = tap_lock_of_reader;
+    lock.l_len = 1;
+    const int file = ::open(ring().c_str(), O_RDWR);
+    char byte = fcntl(file, F_SETLK, &lock) == 0 ? 1 : 0;
+    if (write(ready[1], &byte, 1) == 1) read(end[0], &byte, 1);
+    _exit(0);
+  }
+  char is_ready = 0;
+  ASSERT_EQ(read(ready[0], &is_ready, 1), 1);
+  EXPECT_EQ(is_ready, 1);
+  tap = open();
+  EXPECT_NE(tap, nullptr) << error();
+  rehearse_tap_close(tap);
+  ASSERT_EQ(write(end[1], &is_ready, 1), 1);
+  waitpid(recorder, nullptr, 0);
+  for (const int file : {ready[0], ready[1], end[0], end[1]}) close(file);
+}
+
+/// Processes that open a tap at the same time, beside a ring that is left over: one of them gets it.
+TEST_F(TapTest, HasOneWriterWhoeverComesAtTheSameTime) {
+  for (int round = 0; round < 30; ++round) {
+    ASSERT_EQ(in_a_process([&] { return leave_a_ring(open()); }), 0);
+    int ended[2];
+    ASSERT_EQ(pipe(ended), 0);
+    std::vector<pid_t> processes;
+    for (int i = 0; i < 3; ++i) {
+      processes.push_back(fork());
+      if (processes.back() != 0) continue;
+      close(ended[1]);
+      rehearse_tap* const tap = open(1);
+      char byte = 0;
+      if (tap) (void)!read(ended[0], &byte, 1);  // until all have tried
+      _exit(tap ? 1 : 0);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(round % 5));
+    int opened = 0, waited = 0;
+    // Those that failed have ended; the one that has the tap waits.
+    for (; waited < 2; ++waited) {
+      int status = 0;
+      ASSERT_GT(waitpid(-1, &status, 0), 0);
+      opened += WEXITSTATUS(status);
+    }
+    close(ended[1]);
+    int status = 0;
+    ASSERT_GT(waitpid(-1, &status, 0), 0);
+    opened += WEXITSTATUS(status);
+    close(ended[0]);
+    EXPECT_EQ(opened, 1);
+    clear();
+  }
+}
+
+TEST_F(TapTest, StatesTheFactsOfItsMachineAndProgram) {
+  rehearse_tap* tap = open();
+  ASSERT_NE(tap, nullptr) << error();
+  std::ifstream file(ring(), std::ios::binary);
+  std::string text(tap_words_place, 0);
+  file.read(text.data(), tap_words_place);
+  text = text.c_str() + tap_definitions_place;
+  EXPECT_THAT(text, HasSubstr("machine\tprogram\ttap_test\n"));
+  EXPECT_THAT(text, HasSubstr("machine\tarchitecture\t"));
+  EXPECT_THAT(text, testing::ContainsRegex("machine\tlibm_build_id\t[0-9a-f]{40}\n"));
+  rehearse_tap_close(tap);
+}
+
+/// A recorder that is a script: it has the loop's name, and nothing else of the loop.
+TEST_F(TapTest, StartsItsRecorderWithoutTheLoopsFiles) {
+  const fs::path folder = fs::temp_directory_path() / name();
+  fs::create_directories(folder);
+  std::ofstream(folder / "rehearse") << "#!/bin/sh\n"
+                                        "echo \"$@\" > "
+                                     << (folder / "words").string()
+                                     << "\n"
+                                        "ls /proc/$$/fd > "
+                                     << (folder / "files").string()
+                                     << "\n"
+                                        "echo done > "
+                                     << (folder / "done").string() << "\n";
+  fs::permissions(folder / "rehearse", fs::perms::owner_all);
+  const std::string path = getenv("PATH");
+  rehearse_tap_options options{};
+  options.megabytes = 1;
+  options.spawn = REHEARSE_TAP_BLACK_BOX;
+  options.output = "/data/walker.mcap";
+  setenv("PATH", "/nowhere", 1);
+  EXPECT_EQ(rehearse_tap_open(name(), &options), nullptr);
+  EXPECT_THAT(error(), HasSubstr("the recorder 'rehearse' can't be started"));
+  EXPECT_FALSE(fs::exists(ring()));
+
+  setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
+  const int inherited = ::open("/dev/null", O_RDONLY);  // as a serial port
+  EXPECT_GT(inherited, 2);
+  rehearse_tap* tap = rehearse_tap_open(name(), &options);
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_NE(tap, nullptr) << error();
+  for (int i = 0; i < 500 && !fs::exists(folder / "done"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::string words, number;
+  std::getline(std::ifstream(folder / "words") >> std::ws, words);
+  EXPECT_EQ(words, "tap " + std::string(name()) + " -o /data/walker.mcap --black-box");
+  for (std::ifstream files(folder / "files"); files >> number;) EXPECT_NE(number, std::to_string(inherited));
+  close(inherited);
+  rehearse_tap_close(tap);
+  fs::remove_all(folder);
+}
+
 TEST_F(TapTest, RefusesForeignFilesLinksAndOtherVersions) {
   std::ofstream(ring()) << "something else";
   fs::permissions(ring(), fs::perms::owner_read | fs::perms::owner_write);
@@ -175,6 +318,7 @@ TEST_F(TapTest, DoesNothingWithoutATap) {
   EXPECT_EQ(rehearse_tap_absent(nullptr, 0), 0);
   EXPECT_EQ(rehearse_tap_variable(nullptr, nullptr, 0), 0);
   EXPECT_EQ(rehearse_tap_text(nullptr, nullptr), 0);
+  EXPECT_EQ(rehearse_tap_image(nullptr, nullptr, nullptr), 0);
   rehearse_tap_mark(nullptr, nullptr);
   rehearse_tap_end(nullptr);
   EXPECT_EQ(rehearse_tap_dropped(nullptr), 0u);
@@ -197,6 +341,8 @@ TEST_F(TapTest, RefusesWrongCallsOfATickAndGoesOn) {
   EXPECT_EQ(rehearse_tap_absent(tap, -1), -1);
   EXPECT_EQ(rehearse_tap_variable(tap, std::string(201, 'x').c_str(), 1.0), -1);
   EXPECT_EQ(rehearse_tap_text(tap, ""), -1);
+  EXPECT_EQ(rehearse_tap_image(tap, "Camera", ""), -1);
+  EXPECT_EQ(rehearse_tap_image(tap, nullptr, "1.png"), -1);
   EXPECT_EQ(rehearse_tap_write(tap, knee, &q, 1), 0);
   int texts = 0;
   while (texts < 1000 && rehearse_tap_text(tap, std::string(4000, 'x').c_str()) == 0) ++texts;
@@ -229,6 +375,7 @@ class Loop {
       rehearse_tap_write(tap_, u_, numbers_.data(), 12);
       rehearse_tap_variable(tap_, "phase", 0.5);
       rehearse_tap_text(tap_, "a line");
+      rehearse_tap_image(tap_, "Camera", "frames/17.png");
       if (i % 1000 == 0) rehearse_tap_mark(tap_, "a mark");
       rehearse_tap_end(tap_);
     }
@@ -246,7 +393,7 @@ TEST_F(TapTest, AllocatesNothingAndCausesNoPageFaultInATick) {
   loop.make_ticks(10);
   rusage before{}, after{};
   const std::size_t allocated = allocations;
-#ifndef __SANITIZE_ADDRESS__
+#if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
   EXPECT_GT(allocated, 0u);
 #endif
   getrusage(RUSAGE_SELF, &before);

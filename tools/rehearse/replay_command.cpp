@@ -2,7 +2,6 @@
 // For the log of a real robot see replay_log.h, for single ticks replay_ticks.h, for gdb debugger.h.
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
-#include <rehearse/pin.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
 
@@ -10,7 +9,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -32,10 +30,10 @@
 #include "core/host/source_age.h"
 #include "core/host/turn_order_file.h"
 #include "core/host/virtualised.h"
-#include "core/recording/mathematics.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "debugger.h"
+#include "flight.h"
 #include "lockstep.h"
 #include "log_verbs.h"
 #include "options.h"
@@ -46,13 +44,6 @@
 
 namespace rehearse::tool {
 namespace {
-
-/// A recording that a tap made in a robot's loop.
-struct Flight {
-  std::string controller;   // its name
-  std::string mathematics;  // of the robot's processor: mathematics_of_processor()
-  std::string tunables;     // GLIBC_TUNABLES of the loop
-};
 
 struct ReplaySettings {
   std::string trace;
@@ -76,7 +67,19 @@ struct ReplaySettings {
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
 
-std::string verdict(const ReplayReport& report) {
+/// Other mathematics explains differences within tolerance.
+bool is_rounding_of(const std::optional<Flight>& flight, const ReplayReport& report) {
+  return flight && !flight->other.empty() && report.first && report.within();
+}
+
+/// The commands have the recorded bits, or their rules allow the differences, or other mathematics explains them.
+bool holds(const ReplaySettings& settings, const ReplayReport& report) {
+  return (report.equal() || report.is_allowed() || is_rounding_of(settings.flight, report)) && report.values > 0;
+}
+
+std::string verdict(const ReplaySettings& settings, const ReplayReport& report) {
+  if (is_rounding_of(settings.flight, report))
+    return fmt::format("within its tolerance: {}; {}", headline(report), settings.flight->other);
   if (report.failure) return "failed: " + report.failure->message;
   std::string files;
   for (const std::string& change : report.changed_files) files += "; " + change;
@@ -88,13 +91,10 @@ std::string verdict(const ReplayReport& report) {
                      count_text(report.values, "commanded number"));
 }
 
-/// The commands have the recorded bits, or their rules allow the differences.
-bool holds(const ReplayReport& report) { return (report.equal() || report.is_allowed()) && report.values > 0; }
-
-Json report_json(const ReplayReport& report, const std::vector<std::string>& notes) {
-  Json object{{"verdict", verdict(report)},
+Json report_json(const ReplaySettings& settings, const ReplayReport& report, const std::vector<std::string>& notes) {
+  Json object{{"verdict", verdict(settings, report)},
               {"equal", report.equal() && report.values > 0},
-              {"within", holds(report)},
+              {"within", holds(settings, report)},
               {"explanation", report.explanation}};
   object.update(json_of(report));
   object.update({{"words",
@@ -113,8 +113,9 @@ Json report_json(const ReplayReport& report, const std::vector<std::string>& not
 void tell(const ReplaySettings& settings, const ReplayReport& report, double seconds) {
   fmt::print("replayed {}: {} without physics in {:.3f} s with loading\n", settings.trace,
              count_text(report.ticks, "tick"), seconds);
+  if (settings.flight) fmt::print("{}\n", mathematics_line(*settings.flight));
   tell_control_times(report.control_times);
-  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
+  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(settings, report));
   if (report.words.first)
     fmt::print("their messages differ, too, which doesn't change the verdict: {}\n", to_string(*report.words.first));
   if (!report.first) return;
@@ -123,31 +124,6 @@ void tell(const ReplaySettings& settings, const ReplayReport& report, double sec
   fmt::print("worst: {}\n", to_string(*report.worst));
   fmt::print("{} of {} and {} of {} differ\n", report.ticks_different, count_text(report.ticks, "tick"),
              report.values_different, count_text(report.values, "commanded number"));
-}
-
-/// What a recording states, if it is a flight.
-std::optional<Flight> flight_in(const std::string& trace) {
-  const auto reader = mcap::Reader::open(trace);
-  if (!reader) return std::nullopt;  // its replay reports that
-  const RunFacts facts = RunFacts::of(**reader);
-  const auto scenario = facts.is_of_flight ? scenario_of(**reader) : Result<Scenario>(error(""));
-  if (!scenario || scenario->bodies[0].controllers.empty()) return std::nullopt;
-  Flight flight{scenario->bodies[0].controllers[0].name, {}, facts.stated(facts::pinned_mathematics)};
-  for (const mcap::Metadata& entry : (*reader)->metadata())
-    if (entry.name == records::flight) flight.mathematics = stated(entry.values, flight_facts::mathematics);
-  return flight;
-}
-
-/// The loop on the robot wasn't pinned: if this processor has the same variants of sin, exp and so on, the program
-/// starts again without pinning. Returns if it needn't, or can't.
-void take_mathematics_of(const Flight& flight) {
-  if (!is_pinned() || flight.mathematics != mathematics_of_processor()) return;
-  std::ifstream stream("/proc/self/cmdline", std::ios::binary);
-  std::vector<std::string> words;
-  for (std::string word; std::getline(stream, word, '\0');) words.push_back(word);
-  EnvironmentChanges changes{{"REHEARSE_PIN", "off"}, {"GLIBC_TUNABLES", std::nullopt}};
-  if (!flight.tunables.empty()) changes["GLIBC_TUNABLES"] = flight.tunables;
-  replace_process(own_program(), pointers_to(words).data(), changes);
 }
 
 /// Continues in gdb with the same arguments.
@@ -185,7 +161,10 @@ Result<void> check_usage(const ReplaySettings& settings) {
     return error("--order with --beside, --instructions, --coverage or a robot's log: these replay in the usual order",
                  "leave one of them out");
   if (!settings.is_of_a_log()) {
-    if (!settings.scenario.empty()) return error("--scenario is for a robot's log, with --model and --map");
+    if (!settings.scenario.empty() && !settings.is_of_a_flight())
+      return error("--scenario is for a flight, or for a robot's log, with --model and --map");
+    if (!settings.scenario.empty() && settings.controller.empty())
+      return error("--scenario without --controller", "--controller LIB is the controller of the scenario");
     if (!settings.controller.empty() && !settings.is_of_a_flight())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
                    "a library alone is for a robot's log, with --model and --map");
@@ -249,6 +228,8 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
       settings.replay.libraries.emplace(settings.flight->controller, settings.controller);
   }
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
+  if (settings.is_of_a_flight() && !settings.scenario.empty())
+    if (const auto ended = continue_with_logs("the scenario of a flight")) return *ended;
   if (!settings.order.empty())
     if (const auto order = take_turn_order(settings.order); !order) return refuse(order.errors());
   if (settings.instructions) return audit_recording("--instructions", settings, options);
@@ -286,8 +267,11 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     if (const auto written = own_run([&] { return write_replay(settings.trace, settings.output, settings.replay); });
         !written)
       return refuse(written.errors());
+  if (!settings.scenario.empty())
+    if (const auto saved = save_scenario_of_flight(settings.trace, settings.controller, settings.scenario); !saved)
+      return refuse(saved.errors());
   if (settings.json) {
-    print(report_json(*report, notes));
+    print(report_json(settings, *report, notes));
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
@@ -296,7 +280,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (report->equal() && report->values == 0) return Exit::bad_input;
-  return holds(*report) ? Exit::done : Exit::differs;
+  return holds(settings, *report) ? Exit::done : Exit::differs;
 }
 
 std::function<Exit()> declare_replay(CLI::App& options) {
@@ -348,7 +332,7 @@ std::function<Exit()> declare_replay(CLI::App& options) {
       ->type_name("FILE");
   options
       .add_option("--scenario", settings->scenario,
-                  "of a log: write a scenario that begins as the log did, with its posture and joystick")
+                  "of a log or a flight: write a scenario that begins as it did, with its posture and joystick")
       ->type_name("FILE");
   options
       .add_option(

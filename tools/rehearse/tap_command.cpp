@@ -38,7 +38,7 @@ void handle_signals() {
 
 struct TapSettings {
   std::string name;
-  bool recovers = false;
+  bool recovers = false, again = false;
   FlightOptions options;
 };
 
@@ -50,11 +50,9 @@ fs::path file_of(const TapSettings& settings) {
 /// Waits for the loop that opens the tap; null: the user stops.
 Result<std::unique_ptr<TapRing>> wait_for_ring(const fs::path& file, const std::string& name) {
   bool is_told = false;
-  for (std::error_code ignored; !is_asked_to_stop; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
-    if (fs::exists(fs::symlink_status(file, ignored))) {
-      auto ring = TapRing::open(file, TapRing::Use::takes);
-      if (!ring || *ring) return ring;
-    }
+  for (; !is_asked_to_stop; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    auto ring = TapRing::open(file, TapRing::Use::takes);
+    if (!ring || *ring) return ring;
     if (!is_told) fmt::print(stderr, "waiting for a loop that opens the tap '{}'\n", name);
     is_told = true;
   }
@@ -84,12 +82,21 @@ void tell(const TapSettings& settings, const FlightReport& report) {
   if (report.damaged > 0)
     fmt::print("the ring was damaged in {}: something else wrote into it\n", count_text(report.damaged, "place"));
   if (report.files.empty() && settings.options.is_black_box) fmt::print("nothing asked for the black box\n");
+  std::fflush(stdout);
 }
 
 Exit exit_of(const FlightReport& report, bool recovers) {
   if (report.end == FlightEnd::disk_full) return Exit::bad_input;
   if (report.end == FlightEnd::loop_ended && !recovers) return Exit::controller_failed;
   return report.missing > 0 || report.damaged > 0 ? Exit::odd : Exit::done;
+}
+
+Exit end(const TapSettings& settings, const TapRing& ring, const Result<FlightReport>& report) {
+  if (!report) return refuse(report.errors());
+  tell(settings, *report);
+  // All of it is in a recording, or nobody asked for a black box.
+  if (!ring.has_loop() && report->end != FlightEnd::disk_full) ring.remove_file();
+  return exit_of(*report, settings.recovers);
 }
 
 Exit run_tap(TapSettings& settings) {
@@ -99,16 +106,20 @@ Exit run_tap(TapSettings& settings) {
   settings.options.tell = [](const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); };
   settings.options.stops = [] { return is_asked_to_stop.load(); };
   settings.options.keeps_now = [] { return is_asked_to_keep.exchange(false); };
-  auto ring = settings.recovers ? TapRing::open(file, TapRing::Use::looks) : wait_for_ring(file, settings.name);
-  if (!ring) return refuse(ring.errors());
-  if (!*ring) return Exit::done;
-  const auto report = settings.recovers ? save_ring(**ring, settings.name, settings.options)
-                                        : record_flight(**ring, settings.name, settings.options);
-  if (!report) return refuse(report.errors());
-  tell(settings, *report);
-  // All of it is in a recording, or nobody asked for a black box.
-  if (!(*ring)->has_loop() && report->end != FlightEnd::disk_full) (*ring)->remove_file();
-  return exit_of(*report, settings.recovers);
+  if (settings.recovers) {
+    const auto ring = TapRing::open(file, TapRing::Use::looks);
+    if (!ring) return refuse(ring.errors());
+    if (!*ring) return refuse(error(fmt::format("there is no ring of a tap '{}'", settings.name)));
+    return end(settings, **ring, save_ring(**ring, settings.name, settings.options));
+  }
+  for (Exit worst = Exit::done;;) {
+    const auto ring = wait_for_ring(file, settings.name);
+    if (!ring) return refuse(ring.errors());
+    if (!*ring) return worst;
+    const Exit ended = end(settings, **ring, record_flight(**ring, settings.name, settings.options));
+    if (ended != Exit::done && worst != Exit::bad_input) worst = ended;
+    if (!settings.again || is_asked_to_stop || ended == Exit::bad_input) return worst;
+  }
 }
 
 std::function<Exit()> declare_tap(CLI::App& options) {
@@ -129,13 +140,18 @@ std::function<Exit()> declare_tap(CLI::App& options) {
   add_number(options, "--last",
              "the length of a black box [s], and of what --recover writes (as the tap states it; all)", 1e-3, 1e6,
              [settings](double seconds) { settings->options.seconds = seconds; });
-  add_number(options, "--split", "begin another file when one is larger [MB]", 1, most_megabytes,
-             [settings](double size) { settings->options.part_size = static_cast<std::uint64_t>(size * megabyte); });
+  add_number(
+      options, "--split",
+      "write FILE_0, FILE_1, ...: another file begins when one is larger [MB]; a folder of them is one recording", 1,
+      most_megabytes,
+      [settings](double size) { settings->options.part_size = static_cast<std::uint64_t>(size * megabyte); });
   flight.keep_free = 256'000'000;
   add_number(options, "--keep-free", "end the recording when its disk has less room [MB] (256)", 0, most_megabytes,
              [settings](double size) { settings->options.keep_free = static_cast<std::uint64_t>(size * megabyte); });
   options.add_flag("--recover", settings->recovers,
                    "write what is in the ring now, also of a loop that has ended, and end");
+  options.add_flag("--again", settings->again, "then wait for the next loop that opens the tap, until a signal comes")
+      ->excludes("--recover");
   return [settings] { return run_tap(*settings); };
 }
 

@@ -18,7 +18,8 @@
  *
  * From rehearse_tap_begin() to rehearse_tap_end() nothing is allocated, nothing is locked, and the system isn't called.
  * Nothing waits: a tick that the reader hasn't taken is overwritten when the ring is full, and counted. All functions
- * accept a null tap, and do nothing then. A tap is used by one thread; taps are opened and closed one after the other.
+ * accept a null tap, and do nothing then. A tap is used by one thread; taps are opened, given their series and closed
+ * one after the other. A child of fork() must not use the taps of its parent.
  *
  * C99 or C++; <rehearse/tap.hpp> has a class for C++17. */
 #ifndef REHEARSE_TAP_H
@@ -43,7 +44,16 @@ typedef struct rehearse_tap_options {
   double seconds;         /* of a black box [s]; 0: 60 */
   unsigned megabytes;     /* size of the ring, which is rounded up to a power of two [MiB]; 0: 64 */
   int replace;            /* 1: a ring that an ended process left over is kept aside, as NAME.before */
+  int spawn;              /* REHEARSE_TAP_RECORDER, REHEARSE_TAP_BLACK_BOX: starts a recorder; 0: none */
+  const char* output;     /* of this recorder; null: NAME.mcap in the current folder */
 } rehearse_tap_options;
+
+/* A recorder that rehearse_tap_open() starts: `rehearse` of PATH, as a process of its own session without the loop's
+ * priority, processor and files. It goes on when the loop dies, and ends when it has taken all ticks. */
+enum {
+  REHEARSE_TAP_RECORDER = 1, /* records everything */
+  REHEARSE_TAP_BLACK_BOX = 2 /* keeps the last seconds */
+};
 
 /* Quantities of joints. */
 enum {
@@ -56,7 +66,7 @@ enum {
  * '-', '_' and '.', at most 64. `options` may be null. Null: it failed, and rehearse_tap_error() states why. */
 REHEARSE_TAP_FUNCTION rehearse_tap* rehearse_tap_open(const char* name, const rehearse_tap_options* options);
 
-/* Why the last call of this thread failed that returns null or -1; empty: none has. */
+/* Why the last of the calls before a tick failed, which returned null or -1; empty: none has. */
 REHEARSE_TAP_FUNCTION const char* rehearse_tap_error(void);
 
 /* The series of a tap. All are stated before the first rehearse_tap_begin(). They return the number of the series, or
@@ -86,8 +96,11 @@ REHEARSE_TAP_FUNCTION int rehearse_tap_absent(rehearse_tap* tap, int series);
 /* A variable of the controller in this tick. `name`: at most 200 bytes. rehearse_variable() calls it for the tick that
  * its thread has begun. -1 as rehearse_tap_write(). */
 REHEARSE_TAP_FUNCTION int rehearse_tap_variable(rehearse_tap* tap, const char* name, double value);
-/* A line of text in this tick. -1 as rehearse_tap_write(). */
+/* A line of text in this tick, at most 4096 bytes. -1 as rehearse_tap_write(). */
 REHEARSE_TAP_FUNCTION int rehearse_tap_text(rehearse_tap* tap, const char* text);
+/* The name under which the loop stores a camera's picture of this tick, as the path of a file; the recording has the
+ * name, not the picture. At most 200 and 4096 bytes. -1 as rehearse_tap_write(). */
+REHEARSE_TAP_FUNCTION int rehearse_tap_image(rehearse_tap* tap, const char* camera, const char* picture);
 /* Ends the tick: from now on it is kept, whatever happens to this process. */
 REHEARSE_TAP_FUNCTION void rehearse_tap_end(rehearse_tap* tap);
 

@@ -62,6 +62,7 @@ class Tap {
     bool absent(int series) { return rehearse_tap_absent(tap_, series) == 0; }
     bool variable(const char* name, double value) { return rehearse_tap_variable(tap_, name, value) == 0; }
     bool text(const char* text) { return rehearse_tap_text(tap_, text) == 0; }
+    bool image(const char* camera, const char* picture) { return rehearse_tap_image(tap_, camera, picture) == 0; }
 
    private:
     rehearse_tap* tap_;

@@ -58,7 +58,8 @@ enum {
   tap_absent = 2,   /* the series has no new numbers in this tick */
   tap_variable = 3, /* a number, then the name as bytes */
   tap_text = 4,     /* a line, as bytes */
-  tap_mark = 5      /* a mark, and its reason as bytes */
+  tap_mark = 5,     /* a mark, and its reason as bytes */
+  tap_image = 6     /* a device's name as bytes, then the name of its picture as bytes */
 };
 
 /* Bytes are a word with their count, and the words that contain them. */
@@ -82,15 +83,15 @@ typedef struct tap_ring_head {
   /* Written by the loop. */
   uint64_t oldest __attribute__((aligned(64)));
   uint64_t written;
-  uint64_t dropped; /* ticks that were overwritten before the reader took them, or had no room */
+  uint64_t dropped; /* ticks that were overwritten before the reader took them, or weren't ended */
   uint64_t refused; /* calls that broke a rule */
-  uint64_t marks;
   uint64_t is_closed;
   uint64_t definitions_size; /* [bytes] */
   uint64_t definitions_hash;
 
   /* Written by the reader. */
-  uint64_t read __attribute__((aligned(64))); /* what is before this place may be overwritten; all ones: everything */
+  uint64_t read __attribute__((aligned(64))); /* ticks before this place were taken; all ones: none counts as dropped */
+  uint64_t saved;                             /* ticks before this place are in a file */
 } tap_ring_head;
 
 /* Hashes, by which damage is found. */
@@ -158,6 +159,11 @@ enum tap_taken {
   tap_damaged    /* the size can't be that of a record */
 };
 
+/* A ring in which only a tap has written has written - oldest <= size at each moment, and R4 returns a value of
+ * `oldest` that isn't older than W1 of the record of which R1 read W4. So a copy that is kept begins at most `size`
+ * words before the value of R1; otherwise something else has written into the ring. The check bounds the number of
+ * records that a reader finds in a hostile ring. */
+
 /* Copies the record at *place, and moves *place behind it. `room`: of `record` [words]. */
 static inline enum tap_taken tap_ring_take(tap_ring_head* head, uint64_t* words, uint64_t size, uint64_t* place,
                                            uint64_t* record, uint64_t room, uint64_t* count) {
@@ -171,7 +177,7 @@ static inline enum tap_taken tap_ring_take(tap_ring_head* head, uint64_t* words,
   }
   first = TAP_LOAD(&words[begin & mask]);
   *count = first & UINT32_MAX;
-  if (*count >= tap_record_head_words && *count <= room && *count <= written - begin) {
+  if (*count >= tap_record_head_words && *count <= room && *count <= written - begin && written - begin <= size) {
     record[0] = first;
     for (i = 1; i < *count; ++i) record[i] = TAP_LOAD(&words[(begin + i) & mask]);
   } else {

@@ -19,12 +19,18 @@ typedef struct Step {
 #define SIGN 1.0
 #endif
 
+#ifdef OTHER_MATHEMATICS /* as another libm has: other last bits */
+#define SINE(x) (sin(x) * (1.0 + 2.3e-16))
+#else
+#define SINE(x) sin(x)
+#endif
+
 /* `imu`: gyro, then acceleration. `u`: the efforts [N m]. */
 static inline void step(Step* self, int joints, const double* q, const double* dq, const double* imu, double* u) {
   int i;
   for (i = 0; i < joints; ++i) {
     self->integral[i] += 1e-3 * q[i];
-    u[i] = -GAIN * q[i] - 2.0 * dq[i] - self->integral[i] + SIGN * 0.1 * sin(q[i] + imu[i % 6]);
+    u[i] = -GAIN * q[i] - 2.0 * dq[i] - self->integral[i] + SIGN * 0.1 * SINE(q[i] + imu[i % 6]);
   }
 #ifdef ONE_TICK_LATE
   for (i = 0; i < joints; ++i) {

@@ -34,7 +34,10 @@ inline constexpr int revision_of_contacts = 2;
 /// Keys of the record of a flight.
 namespace flight_facts {
 inline constexpr const char* mathematics = "processor_flags";  // mathematics_of_processor()
-}
+inline constexpr const char* tunables = "tunables";            // GLIBC_TUNABLES of the loop
+inline constexpr const char* architecture = "architecture";    // uname -m
+inline constexpr const char* libm = "libm_build_id";           // empty: linked statically, or unknown
+}  // namespace flight_facts
 
 /// Names of metadata records.
 namespace records {

@@ -25,14 +25,29 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds rest{2}, between_looks{100};
 constexpr std::chrono::seconds between_syncs{1};
+constexpr int most_ticks_at_once = 10'000;  // then the recorder looks at the clock, signals and the disk
 
-/// The first of FILE, FILE-2, FILE-3, ... that doesn't exist.
-fs::path next_free(const fs::path& file) {
-  std::error_code ignored;
+/// FILE with a text behind its stem.
+fs::path with_suffix(const fs::path& file, const std::string& suffix) {
+  return file.parent_path() / (file.stem().string() + suffix + file.extension().string());
+}
+
+/// The first of FILE, FILE-2, FILE-3, ... that doesn't exist; of parts, of which FILE_0 doesn't.
+fs::path next_free(const fs::path& file, bool in_parts) {
+  const auto is_free = [&](const fs::path& name) {
+    std::error_code ignored;
+    return !fs::exists(fs::symlink_status(in_parts ? with_suffix(name, "_0") : name, ignored));
+  };
   fs::path free = file;
-  for (int number = 2; fs::exists(fs::symlink_status(free, ignored)); ++number)
-    free = file.parent_path() / fmt::format("{}-{}{}", file.stem().string(), number, file.extension().string());
+  for (int number = 2; !is_free(free); ++number) free = with_suffix(file, fmt::format("-{}", number));
   return free;
+}
+
+/// The reason of the last mark of a tick; nullopt: it has none.
+std::optional<std::string> mark_in(const TapTick& tick) {
+  for (auto entry = tick.entries.rbegin(); entry != tick.entries.rend(); ++entry)
+    if (entry->kind == tap_mark) return std::string(entry->text);
+  return std::nullopt;
 }
 
 /// Ticks that don't follow each other.
@@ -99,7 +114,8 @@ class Recording {
   Result<bool> wait_for_ticks();
   Result<void> begin_file();
   Result<void> write(const TapTick& tick);
-  Result<bool> take_all();
+  Result<bool> take_some();
+  Result<void> take_rest();
   Result<bool> sync();
   Result<void> end_file(bool is_last);
   Result<void> drain();
@@ -116,6 +132,7 @@ class Recording {
   const FlightOptions& options_;
   std::unique_ptr<FlightPlan> plan_;
   std::unique_ptr<FlightWriter> writer_;
+  fs::path base_;  // of the files
   TapTick tick_;
   Gaps gaps_;
   std::int64_t last_ = 0;  // the newest tick in the files
@@ -139,7 +156,10 @@ Result<bool> Recording::wait_for_ticks() {
 }
 
 Result<void> Recording::begin_file() {
-  const fs::path file = next_free(options_.output);
+  const bool in_parts = options_.part_size > 0 && !options_.is_black_box;
+  if (!in_parts || report_.files.empty()) base_ = next_free(options_.output, in_parts);
+  // Named as the files of rosbag2 are: a folder of them is read as one recording.
+  const fs::path file = in_parts ? with_suffix(base_, fmt::format("_{}", report_.files.size())) : base_;
   auto writer = FlightWriter::create(file, *plan_);
   if (!writer) {
     Diagnostic found = writer.errors()[0];
@@ -167,22 +187,31 @@ Result<void> Recording::write(const TapTick& tick) {
   return writer_->write(tick, ring_.dropped());
 }
 
-/// Takes all ticks that are there. True: there were some.
-Result<bool> Recording::take_all() {
-  for (bool has_taken = false;; has_taken = true) {
+/// Takes ticks that are there. True: there were some.
+Result<bool> Recording::take_some() {
+  for (int i = 0; i < most_ticks_at_once; ++i) {
     switch (ring_.take(plan_->definitions, tick_)) {
-      case TapRing::Got::nothing: return has_taken;
+      case TapRing::Got::nothing: return i > 0;
       case TapRing::Got::tick: REHEARSE_TRY(write(tick_)); break;
       case TapRing::Got::overtaken: break;
       case TapRing::Got::damaged: ++report_.damaged;
     }
   }
+  return true;
+}
+
+/// Takes all ticks that are there now. A loop that goes on may write more.
+Result<void> Recording::take_rest() {
+  for (const std::uint64_t end = ring_.end(); ring_.place() < end;)
+    if (!REHEARSE_TRY(take_some())) break;
+  return {};
 }
 
 /// Writes to the disk. False: the disk is full.
 Result<bool> Recording::sync() {
   if (!writer_) return true;
   REHEARSE_TRY(writer_->sync());
+  ring_.state_saved();
   if (options_.part_size > 0 && writer_->size() > options_.part_size) REHEARSE_TRY(end_file(false));
   std::error_code failed;
   const fs::path folder = fs::absolute(report_.files.back(), failed).parent_path();
@@ -194,6 +223,7 @@ Result<void> Recording::end_file(bool is_last) {
   if (!writer_) return {};
   auto closed = writer_->close(is_last ? std::optional(last_ + 1) : std::nullopt);
   writer_.reset();
+  if (closed) ring_.state_saved();
   return closed;
 }
 
@@ -207,11 +237,12 @@ Result<void> Recording::drain() {
       looked = now;
       has_loop = ring_.has_loop();
     }
-    const bool has_taken = REHEARSE_TRY(take_all());  // after the look: nothing follows the loop's end
-    if (is_stopped || !has_loop) {
+    if (is_stopped || !has_loop) {  // after the look nothing follows the loop's end
+      REHEARSE_TRY(take_rest());
       report_.end = is_stopped ? FlightEnd::stopped : ring_.is_closed() ? FlightEnd::closed : FlightEnd::loop_ended;
       return end_file(true);
     }
+    const bool has_taken = REHEARSE_TRY(take_some());
     if (const auto now = Clock::now(); now - synced >= between_syncs) {
       synced = now;
       const bool has_room = REHEARSE_TRY(sync());
@@ -251,29 +282,30 @@ Result<void> Recording::watch() {
   ring_.take_all();
   const EffortWatch efforts(*plan_);
   const std::unique_ptr<FlightPlan> watched = std::move(plan_);  // keep() makes one for each file
-  std::uint64_t marks = 0;
-  std::int64_t kept = -ticks_of_black_box();  // the last tick in a file because of an effort
+  std::int64_t kept = -ticks_of_black_box();                     // the last tick in a file because of an effort
   bool has_ticks = false;
   for (;;) {
     const bool is_stopped = stops(), has_loop = ring_.has_loop();
-    const std::uint64_t marks_now = ring_.marks();
     std::string reason;
     bool has_taken = false;
-    for (TapRing::Got got; (got = ring_.take(watched->definitions, tick_)) != TapRing::Got::nothing;) {
+    for (const std::uint64_t end = ring_.end(); reason.empty() && ring_.place() < end;) {
+      const TapRing::Got got = ring_.take(watched->definitions, tick_);
+      if (got == TapRing::Got::nothing) break;
       report_.damaged += got == TapRing::Got::damaged ? 1 : 0;
       if (got != TapRing::Got::tick) continue;
       has_ticks = has_taken = true;
-      if (tick_.tick - kept < ticks_of_black_box()) continue;
-      if (reason = efforts.finding(tick_); reason.empty()) continue;
-      kept = tick_.tick;
-      break;
+      if (const auto mark = mark_in(tick_)) {
+        reason = fmt::format("the loop set a mark: {}", *mark);
+      } else if (tick_.tick - kept >= ticks_of_black_box()) {
+        reason = efforts.finding(tick_);
+        if (!reason.empty()) kept = tick_.tick;
+      }
     }
-    if (marks_now != marks) reason = "the loop set a mark";
+    const bool is_whole = reason.empty();  // all ticks up to the look at the loop are taken
     if (options_.keeps_now && options_.keeps_now()) reason = "a signal asks for the last seconds";
-    if (!has_loop && !ring_.is_closed()) reason = "the loop's process ended without closing its tap";
-    marks = marks_now;
+    if (is_whole && !has_loop && !ring_.is_closed()) reason = "the loop's process ended without closing its tap";
     if (has_ticks && !reason.empty()) REHEARSE_TRY(keep(reason));
-    if (is_stopped || !has_loop) {
+    if (is_whole && (is_stopped || !has_loop)) {
       report_.end = is_stopped ? FlightEnd::stopped : ring_.is_closed() ? FlightEnd::closed : FlightEnd::loop_ended;
       return {};
     }

@@ -6,10 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <sstream>
 #include <utility>
 
 #include "core/kinds/kinds.h"
@@ -24,11 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double stated_duration = 86400.0;  // of a flight whose length isn't known [s]
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::string scenario_text(const TapRing& ring, const std::string& name, const std::string& body, double duration) {
   YAML::Emitter yaml;
@@ -75,29 +66,6 @@ Result<Scenario> make_scenario(const TapRing& ring, const std::string& name, con
                          [&](const std::string&, const UrdfOptions&) -> Result<Model> { return model; });
 }
 
-/// The value of a variable of a process's environment; empty: it has none, or can't be read.
-std::string variable_of(int process, const std::string& name) {
-  const std::string all = text_of(fmt::format("/proc/{}/environ", process));
-  std::istringstream entries(all);
-  for (std::string entry; std::getline(entries, entry, '\0');)
-    if (entry.starts_with(name + "=")) return entry.substr(name.size() + 1);
-  return {};
-}
-
-/// The program of a process and its library of mathematics, by the names of their files.
-mcap::StringMap files_of(int process) {
-  mcap::StringMap files;
-  std::error_code failed;
-  if (const fs::path program = fs::read_symlink(fmt::format("/proc/{}/exe", process), failed); !failed)
-    files["program"] = program.filename().string();
-  std::istringstream maps(text_of(fmt::format("/proc/{}/maps", process)));
-  for (std::string line; std::getline(maps, line);) {
-    const std::string file = fs::path(line.substr(std::min(line.rfind('/'), line.size()))).filename().string();
-    if (file.starts_with("libm.so") || file.starts_with("libm-")) files["libm"] = file;
-  }
-  return files;
-}
-
 /// The facts of the recording. The process of the loop isn't pinned: its mathematics is that of its machine.
 mcap::StringMap provenance_of(const FlightPlan& plan, const TapRing& ring) {
   mcap::StringMap stated = provenance(plan.scenario, nullptr, "", "");
@@ -107,7 +75,7 @@ mcap::StringMap provenance_of(const FlightPlan& plan, const TapRing& ring) {
   stated[facts::source] = "flight";
   stated[facts::flight] = fmt::format("{}.{}.{}", ring.realtime(), ring.monotonic(), ring.process());
   stated[facts::pinned] = "no: a robot's loop";
-  stated[facts::pinned_mathematics] = variable_of(ring.process(), "GLIBC_TUNABLES");
+  stated[facts::pinned_mathematics] = rehearse::stated(plan.definitions.machine, flight_facts::tunables);
   return stated;
 }
 
@@ -168,7 +136,7 @@ Result<std::unique_ptr<FlightPlan>> FlightPlan::of(const TapRing& ring, const st
                                      {"monotonic_ns", std::to_string(ring.monotonic())},
                                      {"realtime_ns", std::to_string(ring.realtime())},
                                      {flight_facts::mathematics, mathematics_of_processor()}});
-  plan->flight.merge(files_of(ring.process()));
+  plan->flight.merge(mcap::StringMap(plan->definitions.machine));
   return plan;
 }
 

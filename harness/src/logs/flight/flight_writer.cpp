@@ -27,7 +27,7 @@
 namespace rehearse {
 namespace {
 
-constexpr const char* loop_topic = "/flight/loop";
+constexpr const char *loop_topic = "/flight/loop", *images_topic = "/flight/images";
 constexpr std::size_t most_variables = 1000;
 
 constexpr std::pair<int, std::vector<double> msg::JointState::*> quantities[] = {
@@ -129,6 +129,7 @@ struct FlightWriter::Impl : TraceOutput {
   BodyJoints state;
   std::uint16_t inputs_channel = 0, commands_channel = 0, state_channel = 0, loop_channel = 0, tick_channel = 0,
                 event_channel = 0;
+  std::optional<std::uint16_t> images_channel;         // from the first picture on
   std::vector<DeviceRecorder> devices;                 // of FlightPlan::devices
   std::map<std::size_t, std::uint16_t> other_devices;  // channels of series whose device has no kind
   std::vector<const TapEntry*> of_series;              // the last entry of the tick, by series
@@ -142,6 +143,7 @@ struct FlightWriter::Impl : TraceOutput {
   std::uint16_t joints(const ChannelName& name, const std::vector<std::string>& names, mcap::StringMap metadata = {});
   Result<void> write_inputs(std::int64_t tick);
   Result<void> write_device(std::int64_t tick, std::size_t series);
+  Result<void> write_image(std::int64_t tick, const TapEntry& entry);
   Result<void> write_words(const TapTick& tick);
 };
 
@@ -232,11 +234,21 @@ Result<void> FlightWriter::Impl::write_inputs(std::int64_t tick) {
   return has_inputs ? write(inputs_channel, tick, inputs.message) : Result<void>();
 }
 
-/// Variables, lines and marks.
+Result<void> FlightWriter::Impl::write_image(std::int64_t tick, const TapEntry& entry) {
+  if (!images_channel)
+    images_channel = writer->add_channel(
+        writer->add_schema(msg::ImageReference::type_name, "ros2msg", msg::schema_text<msg::ImageReference>()),
+        images_topic, "cdr");
+  return write(*images_channel, tick,
+               msg::ImageReference{stamp(tick), tick, std::string(entry.device), std::string(entry.text)});
+}
+
+/// Variables, lines, marks and names of pictures.
 Result<void> FlightWriter::Impl::write_words(const TapTick& tick) {
   std::map<std::string_view, double> variables;  // of several values of a tick the last one counts
   for (const TapEntry& entry : tick.entries) {
     if (entry.kind == tap_variable) variables[entry.text] = entry.numbers[0];
+    if (entry.kind == tap_image) REHEARSE_TRY(write_image(tick.tick, entry));
     if (entry.kind != tap_text && entry.kind != tap_mark) continue;
     const bool is_mark = entry.kind == tap_mark;
     const std::string text = is_mark ? fmt::format("mark: {}", entry.text) : std::string(entry.text);
@@ -320,7 +332,9 @@ Result<void> FlightWriter::close(std::optional<std::int64_t> ticks) {
   for (const TapSeries& series : impl_->plan.definitions.series)
     if (!series.is_of_joints()) read[series.body + "/" + series.device] = impl_->plan.label;
   REHEARSE_TRY(impl_->writer->add_metadata(records::devices_read, read));
-  if (ticks) REHEARSE_TRY(impl_->writer->add_metadata(records::outcome, RunOutcome{.ticks = ticks}.metadata()));
+  if (ticks)
+    REHEARSE_TRY(
+        impl_->writer->add_metadata(records::outcome, RunOutcome{.ticks = ticks}.metadata()));
   REHEARSE_TRY(sync());
   return impl_->writer->close();
 }

@@ -81,8 +81,9 @@ Result<TapDefinitions> TapDefinitions::parse(std::string_view text) {
   if (text.empty()) return definitions;
   for (const std::string_view line : split(text, '\n')) {
     const std::vector<std::string_view> words = split(line, '\t');
-    if (words[0] == "parameter" && words.size() == 3 && is_name(words[1])) {
-      definitions.parameters.insert_or_assign(std::string(words[1]), std::string(words[2]));
+    if ((words[0] == "parameter" || words[0] == "machine") && words.size() == 3 && is_name(words[1])) {
+      mcap::StringMap& facts = words[0] == "machine" ? definitions.machine : definitions.parameters;
+      facts.insert_or_assign(std::string(words[1]), std::string(words[2]));
       continue;
     }
     auto series = series_of(words);
@@ -101,10 +102,18 @@ Result<TapDefinitions> TapDefinitions::parse(std::string_view text) {
 
 namespace {
 
-/// The bytes in the words: their count, then as many words as they need. nullopt: the words are no bytes.
+/// Takes bytes off the begin of the words: their count, then as many words as they need. nullopt: there are none.
+std::optional<std::string_view> take_bytes(std::span<const std::uint64_t>& words) {
+  if (words.empty() || words[0] > 8 * (words.size() - 1)) return std::nullopt;
+  const std::string_view bytes(reinterpret_cast<const char*>(words.data() + 1), words[0]);
+  words = words.subspan(1 + (words[0] + 7) / 8);
+  return bytes;
+}
+
+/// All of the words are bytes.
 std::optional<std::string_view> bytes_in(std::span<const std::uint64_t> words) {
-  if (words.empty() || words[0] > 8 * words.size() || words.size() != 1 + (words[0] + 7) / 8) return std::nullopt;
-  return std::string_view(reinterpret_cast<const char*>(words.data() + 1), words[0]);
+  const auto bytes = take_bytes(words);
+  return words.empty() ? bytes : std::nullopt;
 }
 
 }  // namespace
@@ -122,7 +131,7 @@ bool TapTick::read(std::span<const std::uint64_t> record, const TapDefinitions& 
     const std::size_t count = head & UINT32_MAX;
     TapEntry entry{static_cast<unsigned>(head >> 56), head >> 32 & 0xFFFFFF};
     if (count > record.size() - at) return false;
-    const std::span<const std::uint64_t> words = record.subspan(at, count);
+    std::span<const std::uint64_t> words = record.subspan(at, count);
     const std::span<const double> numbers = std::span(numbers_).subspan(at, count);
     at += count;
     std::optional<std::string_view> text;
@@ -141,6 +150,12 @@ bool TapTick::read(std::span<const std::uint64_t> record, const TapDefinitions& 
         break;
       case tap_text:
       case tap_mark:
+        if (!(text = bytes_in(words))) return false;
+        break;
+      case tap_image:
+        text = take_bytes(words);
+        if (!text || text->empty()) return false;
+        entry.device = *text;
         if (!(text = bytes_in(words))) return false;
         break;
       default: return false;

@@ -28,6 +28,7 @@ struct TapSeries {
 struct TapDefinitions {
   std::vector<TapSeries> series;
   mcap::StringMap parameters;
+  mcap::StringMap machine;  // facts of the loop's machine and program, which the tap states itself
 
   /// Reads lines of words with tabs between them. Fails if a line can't be read, if the series are of several bodies,
   /// or if two of them have the same quantity of a joint or the same device.
@@ -39,7 +40,8 @@ struct TapEntry {
   unsigned kind = 0;                     // tap_values, ... (tap_ring.h)
   std::size_t series = 0;                // of values and of what is absent
   std::span<const double> numbers = {};  // of values; of a variable one
-  std::string_view text = {};            // a variable's name, a line, the reason of a mark
+  std::string_view text = {};            // a variable's name, a line, the reason of a mark, a picture's name
+  std::string_view device = {};          // of a picture
 };
 
 struct TapTick {

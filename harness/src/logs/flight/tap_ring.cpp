@@ -61,7 +61,8 @@ fs::path TapRing::file_of(const std::string& name) {
 
 Result<std::unique_ptr<TapRing>> TapRing::open(const fs::path& file, Use use) {
   const std::string name = file.string();
-  FileDescriptor descriptor(::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC));
+  FileDescriptor descriptor(::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (descriptor < 0 && errno == ENOENT) return std::unique_ptr<TapRing>();
   if (descriptor < 0)
     return error_in(name, errno == ELOOP ? "it is a link, and none is followed"
                                          : fmt::format("it can't be opened: {}", std::strerror(errno)));
@@ -70,12 +71,12 @@ Result<std::unique_ptr<TapRing>> TapRing::open(const fs::path& file, Use use) {
     return error_in(name, "it is no file, and so no ring of a tap");
   if (found.st_uid != ::geteuid() || (found.st_mode & 077) != 0)
     return error_in(name, "it belongs to another user, or others may open it: a tap makes no such ring");
+  std::uint64_t magic = 0;  // the loop writes it last
+  if (::pread(descriptor, &magic, sizeof magic, 0) < 0)
+    return error_in(name, fmt::format("it can't be read: {}", std::strerror(errno)));
+  if (magic == 0) return std::unique_ptr<TapRing>();
   const auto size = static_cast<std::size_t>(found.st_size);
-  const bool is_being_made = owner_of(descriptor, tap_lock_of_writer) != 0;
-  std::uint64_t magic = 0;
-  const bool has_magic = ::pread(descriptor, &magic, sizeof magic, 0) == sizeof magic && magic == TAP_MAGIC;
-  if (!has_magic && is_being_made) return std::unique_ptr<TapRing>();
-  if (!has_magic || size < tap_words_place) return error_in(name, "it is no ring of a tap");
+  if (magic != TAP_MAGIC || size < tap_words_place) return error_in(name, "it is no ring of a tap");
   struct flock lock = lock_of(tap_lock_of_reader);
   if (use == Use::takes && ::fcntl(descriptor, F_SETLK, &lock) != 0)
     return error_in(name, fmt::format("process {} records this tap already", owner_of(descriptor, tap_lock_of_reader)),
@@ -90,6 +91,7 @@ Result<std::unique_ptr<TapRing>> TapRing::open(const fs::path& file, Use use) {
   (*ring)->is_mapped_ = true;
   (*ring)->takes_ = use == Use::takes;
   (*ring)->descriptor_ = std::move(descriptor);
+  (*ring)->begin_with_oldest();  // it is known now whether there is a loop
   return ring;
 }
 
@@ -97,25 +99,29 @@ Result<std::unique_ptr<TapRing>> TapRing::of_memory(std::span<std::byte> memory,
   auto* const head = reinterpret_cast<tap_ring_head*>(memory.data());
   if (memory.size() < tap_words_place || TAP_LOAD_ACQUIRE(&head->magic) != TAP_MAGIC)
     return error_in(file, "it is no ring of a tap");
-  if (head->version != TAP_VERSION)
+  tap_ring_head copy{};
+  std::memcpy(&copy, head, offsetof(tap_ring_head, oldest));
+  if (copy.version != TAP_VERSION)
     return error_in(
-        file, fmt::format("the ring is of version {}, and this program reads version {}", head->version, TAP_VERSION),
+        file, fmt::format("the ring is of version {}, and this program reads version {}", copy.version, TAP_VERSION),
         "use the library of the tap and the command of one version of Rehearse");
-  const bool fits = head->head_size == sizeof *head && std::has_single_bit(head->words) &&
-                    head->words >= fewest_words && head->words <= (memory.size() - tap_words_place) / 8 &&
-                    head->hash == hash_of_head(*head) && ends(head->controller, sizeof head->controller) &&
-                    ends(head->model, sizeof head->model);
-  const bool has_times = head->time_step >= 1e-6 && head->time_step <= 10 && head->seconds > 0 && head->seconds <= 1e6;
+  const bool fits = copy.head_size == sizeof copy && std::has_single_bit(copy.words) && copy.words >= fewest_words &&
+                    copy.words <= (memory.size() - tap_words_place) / 8 && copy.hash == hash_of_head(copy) &&
+                    ends(copy.controller, sizeof copy.controller) && ends(copy.model, sizeof copy.model);
+  const bool has_times = copy.time_step >= 1e-6 && copy.time_step <= 10 && copy.seconds > 0 && copy.seconds <= 1e6;
   if (!fits || !has_times) return error_in(file, "the head of the ring is damaged");
-  return std::unique_ptr<TapRing>(new TapRing(head, memory, file));
+  Facts facts{copy.controller,     copy.model,        copy.time_step,   copy.seconds, copy.pid,
+              copy.is_locked == 1, copy.monotonic_ns, copy.realtime_ns, copy.words};
+  return std::unique_ptr<TapRing>(new TapRing(std::move(facts), memory, file));
 }
 
-TapRing::TapRing(tap_ring_head* head, std::span<std::byte> memory, std::string file)
-    : head_(head),
+TapRing::TapRing(Facts facts, std::span<std::byte> memory, std::string file)
+    : facts_(std::move(facts)),
+      head_(reinterpret_cast<tap_ring_head*>(memory.data())),
       memory_(memory),
       file_(std::move(file)),
       words_(reinterpret_cast<std::uint64_t*>(memory.data() + tap_words_place)),
-      size_(head->words),
+      size_(facts_.words),
       record_(tap_most_record_words) {
   begin_with_oldest();
 }
@@ -124,22 +130,14 @@ TapRing::~TapRing() {
   if (is_mapped_) ::munmap(memory_.data(), memory_.size());
 }
 
-std::string TapRing::controller() const { return head_->controller; }
-fs::path TapRing::model() const { return head_->model; }
-double TapRing::time_step() const { return head_->time_step; }
-double TapRing::seconds() const { return head_->seconds; }
-int TapRing::process() const { return head_->pid; }
-bool TapRing::is_locked() const { return head_->is_locked == 1; }
-std::uint64_t TapRing::monotonic() const { return head_->monotonic_ns; }
-std::uint64_t TapRing::realtime() const { return head_->realtime_ns; }
-
 Result<TapDefinitions> TapRing::definitions() const {
   const std::uint64_t size = TAP_LOAD_ACQUIRE(&head_->definitions_size);
   if (size > tap_definitions_capacity) return error_in(file_, "the series of the ring are damaged");
-  const std::span<const std::byte> text = memory_.subspan(tap_definitions_place, size);
-  if (hash_of_definitions(text) != TAP_LOAD(&head_->definitions_hash))
+  const auto* begin = reinterpret_cast<const char*>(memory_.data() + tap_definitions_place);
+  const std::string text(begin, begin + size);  // a copy: the memory may change at any time
+  if (hash_of_definitions(std::as_bytes(std::span(text))) != TAP_LOAD(&head_->definitions_hash))
     return error_in(file_, "the series of the ring are damaged");
-  auto definitions = TapDefinitions::parse({reinterpret_cast<const char*>(text.data()), size});
+  auto definitions = TapDefinitions::parse(text);
   if (definitions) return definitions;
   Diagnostic found = definitions.errors()[0];
   found.file = file_;
@@ -149,6 +147,12 @@ Result<TapDefinitions> TapRing::definitions() const {
 bool TapRing::has_ticks() const { return TAP_LOAD_ACQUIRE(&head_->written) != 0; }
 
 TapRing::Got TapRing::take(const TapDefinitions& definitions, TapTick& tick) {
+  Got got = take_next(definitions, tick);
+  while (got == Got::tick && place_ <= begin_) got = take_next(definitions, tick);
+  return got;
+}
+
+TapRing::Got TapRing::take_next(const TapDefinitions& definitions, TapTick& tick) {
   std::uint64_t count = 0;
   const tap_taken taken = tap_ring_take(head_, words_, size_, &place_, record_.data(), record_.size(), &count);
   if (taken == tap_nothing) return Got::nothing;
@@ -161,9 +165,16 @@ TapRing::Got TapRing::take(const TapDefinitions& definitions, TapTick& tick) {
   return is_whole ? Got::tick : Got::damaged;
 }
 
-void TapRing::begin_with_oldest() { place_ = TAP_LOAD(&head_->oldest); }
+void TapRing::begin_with_oldest() {
+  place_ = TAP_LOAD(&head_->oldest);
+  begin_ = place_ > 0 && has_loop() ? place_ + size_ / 16 : 0;
+}
 void TapRing::begin_with_next() { place_ = TAP_LOAD_ACQUIRE(&head_->written); }
 void TapRing::take_all() { TAP_STORE(&head_->read, UINT64_MAX); }
+std::uint64_t TapRing::end() const { return TAP_LOAD_ACQUIRE(&head_->written); }
+void TapRing::state_saved() {
+  if (takes_) TAP_STORE(&head_->saved, place_);
+}
 
 bool TapRing::has_loop() const { return !is_closed() && owner_of(descriptor_, tap_lock_of_writer) != 0; }
 bool TapRing::is_closed() const { return TAP_LOAD_ACQUIRE(&head_->is_closed) != 0; }
@@ -174,7 +185,6 @@ void TapRing::remove_file() const {
   if (opened.st_dev == named.st_dev && opened.st_ino == named.st_ino) ::unlink(file_.c_str());
 }
 
-std::uint64_t TapRing::marks() const { return TAP_LOAD_ACQUIRE(&head_->marks); }
 std::uint64_t TapRing::dropped() const { return TAP_LOAD(&head_->dropped); }
 std::uint64_t TapRing::refused() const { return TAP_LOAD(&head_->refused); }
 

@@ -26,7 +26,7 @@ class TapRing {
   /// What the reader does: it takes ticks, which are then no longer counted as dropped, or it only looks.
   enum class Use : std::uint8_t { takes, looks };
   /// Opens a ring. Fails if the file is no ring of a tap, belongs to another user, is of another version, or if another
-  /// process takes its ticks. Null: the loop is making it.
+  /// process takes its ticks. Null: there is no such file, or the loop is making it.
   static Result<std::unique_ptr<TapRing>> open(const std::filesystem::path& file, Use use);
   /// The ring in this memory, which must begin at a multiple of 64 bytes and outlive the result.
   static Result<std::unique_ptr<TapRing>> of_memory(std::span<std::byte> memory, const std::string& file);
@@ -35,15 +35,15 @@ class TapRing {
   TapRing& operator=(const TapRing&) = delete;
 
   // What the loop stated when it opened the tap.
-  std::string controller() const;
-  std::filesystem::path model() const;  // empty: none
-  double time_step() const;             // [s]
-  double seconds() const;               // of a black box [s]
-  int process() const;
-  bool is_locked() const;  // its memory can't be swapped out
+  const std::string& controller() const { return facts_.controller; }
+  std::filesystem::path model() const { return facts_.model; }  // empty: none
+  double time_step() const { return facts_.time_step; }         // [s]
+  double seconds() const { return facts_.seconds; }             // of a black box [s]
+  int process() const { return facts_.process; }
+  bool is_locked() const { return facts_.is_locked; }  // its memory can't be swapped out
   /// Of CLOCK_MONOTONIC and CLOCK_REALTIME at one moment [ns].
-  std::uint64_t monotonic() const;
-  std::uint64_t realtime() const;
+  std::uint64_t monotonic() const { return facts_.monotonic; }
+  std::uint64_t realtime() const { return facts_.realtime; }
 
   /// Reads the series. They are complete when there is a tick.
   Result<TapDefinitions> definitions() const;
@@ -57,31 +57,48 @@ class TapRing {
   };
   /// Takes the next tick. Of a reader that takes, the loop may overwrite it then.
   Got take(const TapDefinitions& definitions, TapTick& tick);
-  /// Begins again with the oldest tick.
+  /// Begins again with the oldest tick; beside a loop that overwrites ticks, a sixteenth of the ring later, so that it
+  /// doesn't overtake the reader at once.
   void begin_with_oldest();
   /// Begins with the tick that is written next.
   void begin_with_next();
   /// From now on the loop doesn't count ticks as dropped.
   void take_all();
+  /// The place behind the newest tick, and that behind the tick that take() has returned. Places only grow.
+  std::uint64_t end() const;
+  std::uint64_t place() const { return place_; }
+  /// The ticks that take() has returned so far are in a file: a loop that restarts may remove the ring.
+  void state_saved();
 
   /// False: the loop's process has ended, or closed the tap.
   bool has_loop() const;
   bool is_closed() const;  // by the loop
   /// Removes the file, unless the name is that of another ring by now.
   void remove_file() const;
-  std::uint64_t marks() const;
   std::uint64_t dropped() const;
   std::uint64_t refused() const;  // calls that broke a rule
 
  private:
-  TapRing(tap_ring_head* head, std::span<std::byte> memory, std::string file);
+  /// What the loop stated when it opened the tap, copied: the memory may change at any time.
+  struct Facts {
+    std::string controller, model;
+    double time_step = 0.0, seconds = 0.0;
+    int process = 0;
+    bool is_locked = false;
+    std::uint64_t monotonic = 0, realtime = 0, words = 0;
+  };
+  TapRing(Facts facts, std::span<std::byte> memory, std::string file);
 
+  Got take_next(const TapDefinitions& definitions, TapTick& tick);
+
+  Facts facts_;
   tap_ring_head* head_;
   std::span<std::byte> memory_;
   std::string file_;
   std::uint64_t* words_;
   std::uint64_t size_;  // of the ring [words]
   std::uint64_t place_ = 0;
+  std::uint64_t begin_ = 0;  // ticks before this place are passed over
   bool takes_ = false, is_mapped_ = false;
   FileDescriptor descriptor_;
   std::vector<std::uint64_t> record_;
