@@ -144,6 +144,46 @@ class TapVerb : public Command {
     return rehearse({"replay", file, "--controller", guest});
   }
   const std::string& tap() const { return tap_; }
+  /// A flight of a robot that is the simulation in a recording. `noise`: of its velocities [rad/s].
+  void fly(const std::string& simulation, const std::string& flight, int joints, double noise) const {
+    const auto trace = Trace::load(folder() / simulation);
+    ASSERT_TRUE(trace);
+    const std::string model = (folder() / "walker.urdf").string();
+    rehearse_tap_options options{};
+    options.model = model.c_str();
+    options.controller = "Walk";
+    Tap loop(tap_.c_str(), options);
+    ASSERT_TRUE(loop.is_open()) << Tap::error();
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> numbers, imu, efforts;
+    for (int i = 0; i < joints; ++i) names.push_back(fmt::format("J{}", i));
+    for (const char* quantity : {"q", "dq"})
+      for (const std::string& name : names) numbers.push_back(trace->values("Walker/" + name + "/" + quantity));
+    for (const char* quantity : {"angular_velocity", "linear_acceleration"})
+      for (const char* axis : {"x", "y", "z"})
+        imu.push_back(trace->values(fmt::format("Walker/Imu/{}/{}", quantity, axis)));
+    for (const std::string& name : names) efforts.push_back(trace->values("Walker/Walk/output/" + name + "/u"));
+    const int of_joints = loop.joints("Walker", names, REHEARSE_TAP_Q | REHEARSE_TAP_DQ),
+              of_imu = loop.imu("Walker", "Imu"), of_efforts = loop.commands("Walker", names, REHEARSE_TAP_U);
+    std::minstd_rand random(82);
+    std::normal_distribution<double> normal(0.0, 1.0);
+    const auto row = [](const std::vector<std::vector<double>>& columns, std::size_t tick) {
+      std::vector<double> all;
+      for (const std::vector<double>& column : columns) all.push_back(column[tick]);
+      return all;
+    };
+    constexpr std::size_t late = 1;  // the IMU measures after the first step
+    for (std::size_t tick = 0; tick < efforts[0].size(); ++tick) {
+      std::vector<double> measured = row(numbers, tick);
+      for (std::size_t i = names.size(); i < measured.size(); ++i) measured[i] += noise * normal(random);
+      Tap::Tick recorded = loop.tick(static_cast<std::int64_t>(tick) * 1'000'000);
+      recorded.write(of_joints, measured);
+      if (tick >= late) recorded.write(of_imu, row(imu, tick - late));
+      recorded.write(of_efforts, row(efforts, tick));
+    }
+    loop = Tap();
+    EXPECT_EQ(rehearse({"tap", tap_, "--recover", "-o", flight}).status, 0);
+  }
   /// Copies a recording, with other facts of its loop.
   void restate(const std::string& from, const std::string& to, const mcap::StringMap& facts) const {
     const auto reader = mcap::Reader::open(folder() / from);
@@ -314,6 +354,52 @@ TEST_F(TapVerb, ReadsTheFilesOfAFolderAsOneFlight) {
   EXPECT_THAT(replayed.out, HasSubstr("equal bit for bit: 5000 ticks"));
   EXPECT_THAT(done({"info", "friday"}).out, HasSubstr("/Walker/Walk/output/joints"));
   EXPECT_EQ(done({"diff", "friday", "friday"}).status, 0);
+}
+
+/// A robot that is a simulation, measured with noise; then its model is changed.
+TEST_F(TapVerb, FindsTheTickFromWhichAWorldDiffersFromTheRobot) {
+  robot(3);
+  const std::string scenario = fmt::format(
+      "rehearse: 1\nname: Arm\nduration: 1.0\nbodies:\n  - name: Walker\n    model: walker.urdf\n    fixed: true\n"
+      "    joints: {{J0: 0.3, J2: -0.2}}\n    controllers: [{{name: Walk, library: {}, delay: false}}]\n",
+      GUEST);
+  write("arm.yaml", scenario);
+  ASSERT_EQ(rehearse({"record", "arm.yaml", "-o", "robot.mcap"}).status, 0);
+  for (const double noise : {0.0, 1e-3}) {
+    SCOPED_TRACE(noise);
+    const std::string flight = fmt::format("flight{}.mcap", noise);
+    fly("robot.mcap", flight, 3, noise);
+    const Outcome same = rehearse({"check", "arm.yaml", "--flight", flight});
+    EXPECT_EQ(same.status, noise == 0.0 ? 0 : 1) << same.out << same.err;  // with noise it isn't the robot's controller
+    if (noise == 0.0) {
+      EXPECT_THAT(same.out, HasSubstr("controller: equal bit for bit"));
+    }
+    EXPECT_THAT(same.out, HasSubstr("plant: the world agrees with the robot in 99"));
+
+    const std::string model = read_file(folder() / "walker.urdf");
+    std::string heavier = model;
+    const std::string inertia = "iyy=\"0.1\"";
+    heavier.replace(heavier.rfind(inertia), inertia.size(), "iyy=\"0.12\"");  // of the last link
+    write("walker.urdf", heavier);
+    const Outcome other = rehearse({"check", "arm.yaml", "--flight", flight});
+    EXPECT_EQ(other.status, 1) << other.out << other.err;
+    EXPECT_THAT(other.out,
+                testing::ContainsRegex("plant: the world differs from the robot from tick [0-9]+ .*: J[0-2]"));
+    write("walker.urdf", model);
+  }
+  std::string free = scenario, model = read_file(folder() / "walker.urdf");
+  free.erase(free.find("    fixed: true\n"), 16);
+  free.replace(free.find("walker.urdf"), 11, "free.urdf");
+  write("free.yaml", free);
+  model.replace(model.find("<link name=\"BASE\"/>"), 19,
+                "<link name=\"BASE\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" "
+                "iyz=\"0\" izz=\"1\"/></inertial></link>");
+  write("free.urdf", model);
+  const Outcome undecided = rehearse({"check", "free.yaml", "--flight", "flight0.mcap"});
+  EXPECT_EQ(undecided.status, 4) << undecided.out << undecided.err;
+  EXPECT_THAT(undecided.out, HasSubstr("plant: undecided: state missing: the base of 'Walker' isn't fixed"));
+  EXPECT_EQ(rehearse({"check", "arm.yaml", "--flight", "robot.mcap"}).status, 2);
+  EXPECT_EQ(rehearse({"check", "arm.yaml", "--flight", "flight0.mcap", "--json"}).status, 2);
 }
 
 TEST_F(TapVerb, RefusesAControllerThatReadsWhatTheTapLacks) {
