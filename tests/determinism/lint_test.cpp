@@ -138,6 +138,10 @@ const Exception allowed[] = {
     {"harness/src/core/check/proof.cpp", "environment", "whether a check simulates what it could prove"},
     {"harness/src/core/check/proof.cpp", "identity", "names a file until it is complete"},
     {"harness/src/logs/bag/conversion.cpp", "identity", "names a file until SQLite has opened it"},
+    {"harness/src/core/recording/mathematics.cpp", "environment",
+     "which functions the C library took, beside those of a robot's loop; it only explains a difference"},
+    {"harness/src/logs/flight/flight.cpp", "clock",
+     "when the recorder of a robot's loop looks for ticks, and writes to the disk; no tick has it"},
 };
 
 /// The line's code: no text, no comment.

@@ -77,6 +77,29 @@ writeFileSync(
 const kept = rehearse('check', 'falls.yaml', '--history', 'history.jsonl', '--commit', 'v1', '--date', '2026-11-27');
 assert.equal(kept.status, 0, kept.stdout + kept.stderr);
 
+// a robot's loop that ends without closing its tap, and leaves the ring
+writeFileSync(
+  join(folder, 'loop.c'),
+  `#include <rehearse/tap.h>
+int main(int count, char** words) {
+  const char* names[] = {"SLIDE"};
+  const double effort = 0.5;
+  const rehearse_tap_options options = {"models/robot.urdf", "Spring", 0.001, 1.0, 1, 0};
+  rehearse_tap* const tap = count == 2 ? rehearse_tap_open(words[1], &options) : NULL;
+  const int u = rehearse_tap_commands(tap, "Rail", names, 1, REHEARSE_TAP_U);
+  rehearse_tap_begin(tap, 0);
+  rehearse_tap_write(tap, u, &effort, 1);
+  rehearse_tap_end(tap);
+  return tap && u >= 0 ? 0 : 1;
+}
+`,
+);
+const linked = run('cc', '-I', join(source, 'controllers/include'), 'loop.c', join(build, 'lib/librehearse_tap.so'), '-o', 'loop',
+  `-Wl,-rpath,${join(build, 'lib')}`);
+assert.equal(linked.status, 0, linked.stderr);
+const tap = `security-${process.pid}`;
+assert.equal(run(join(folder, 'loop'), tap).status, 0, 'the loop has no tap');
+
 const reading = [
   ['new', 'arm'],
   ['doc'],
@@ -93,6 +116,7 @@ const reading = [
   ['merge', 'run.mcap', 'copy.mcap', '-o', 'both.mcap'],
   ['recover', 'run.mcap', '-o', 'whole.mcap'],
   ['report', 'run.mcap', '-o', 'report.html'],
+  ['tap', tap, '--recover', '-o', 'flight.mcap'],
   ['inspect', 'models/robot.urdf'],
   ['render', 'scenario.yaml', '-o', 'start.png'],
   ['record', 'bare.yaml', '-o', 'bare.mcap'], // its model names the library as a plugin

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "audit_mode.h"
+#include "check_flight.h"
 #include "check_history.h"
 #include "check_outcome.h"
 #include "command.h"
@@ -51,6 +52,7 @@ namespace fs = std::filesystem;
 struct CheckSettings {
   std::vector<std::string> scenarios;
   std::string golden;  // a trace to compare with; empty: the golden of each scenario
+  std::string flight;  // instead, a robot's flight to compare with; empty: none
   bool json = false;
   bool no_report = false;
   std::string junit;  // output file; empty: none
@@ -375,11 +377,15 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
   const bool alone = files->size() == 1;
   if (settings.debugger.is_wanted() && !alone)
     return refuse(error("--gdb stops in one scenario", "name that scenario"));
+  if (!settings.flight.empty() && (!alone || settings.json || settings.debugger.is_wanted()))
+    return refuse(error("--flight compares one scenario, and goes with neither --json nor --gdb",
+                        "name that scenario; rehearse replay FLIGHT has both options"));
   if (!settings.golden.empty() && !alone) return refuse(error("--golden compares one scenario", "name that scenario"));
   std::optional<Scenario> only;
   if (alone) {
     auto scenario = read_scenario(files->front(), settings.values);
     if (!scenario) return refuse(scenario.errors());
+    if (!settings.flight.empty()) return check_with_flight(*scenario, settings.flight, settings.check.run);
     if (settings.scenarios.empty() && !can_be_checked(*scenario)) return refuse(nothing_to_check());
     if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
     only = *std::move(scenario);
@@ -441,6 +447,13 @@ std::function<Exit()> declare_check(CLI::App& options) {
   options.add_option("--golden", settings->golden, "compare with this trace instead of the scenario's golden")
       ->type_name("TRACE");
   options
+      .add_option(
+          "--flight", settings->flight,
+          "instead: a recording of a robot's loop (rehearse tap): is the controller the robot's, and from which "
+          "tick on does the world differ from the robot?")
+      ->type_name("FLIGHT")
+      ->excludes("--golden");
+  options
       .add_option_function<std::vector<std::string>>(
           "--level",
           [=](const std::vector<std::string>& levels) {
@@ -497,7 +510,8 @@ extern const Verb check_verb{
     "check",
     "  rehearse check\n"
     "  rehearse check fixtures/scenarios/sr1_minimum.yaml --level controller\n"
-    "  rehearse check walk.yaml --golden yesterday.mcap --controller Walker=build/MyWalker.so\n",
+    "  rehearse check walk.yaml --golden yesterday.mcap --controller Walker=build/MyWalker.so\n"
+    "  rehearse check walk.yaml --flight friday.mcap\n",
     declare_check};
 
 }  // namespace rehearse::tool

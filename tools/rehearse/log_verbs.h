@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "json_forms.h"
@@ -27,5 +28,12 @@ Diagnostics findings_of_metadata(const bag::Folder& folder, const std::filesyste
 
 /// Replays the log of a robot. rehearse-read executes rehearse-logs for it, with the same arguments.
 Exit replay_log_of(LogSettings settings);
+
+/// Writes a scenario that begins in a flight's first posture, with `library` as its controller, and the flight's model
+/// beside it. Fails if the scenario exists. Of rehearse-logs alone: rehearse-read calls continue_with_logs() first.
+Result<void> save_scenario_of_flight(const std::filesystem::path& flight, const std::string& library,
+                                     const std::string& scenario);
+/// In rehearse-read, executes rehearse-logs, and returns only if it can't; in rehearse-logs nullopt.
+std::optional<Exit> continue_with_logs(std::string_view asked);
 
 }  // namespace rehearse::tool

@@ -65,7 +65,8 @@ void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) 
   };
   const char* help = "another library (a name or a path) for the controller NAME or BODY/NAME";
   const char* help_of_logs =
-      "another library (a name or a path) for the controller NAME or BODY/NAME; of a log or a --model: LIB alone";
+      "another library (a name or a path) for the controller NAME or BODY/NAME; of a log, a flight or a --model: LIB "
+      "alone";
   options.add_option_function<std::vector<std::string>>("--controller", take_all, alone ? help_of_logs : help)
       ->type_name("NAME=LIB")
       ->allow_extra_args(false);

@@ -31,7 +31,9 @@
 #include "core/host/turn_order_file.h"
 #include "core/host/virtualised.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
 #include "debugger.h"
+#include "flight.h"
 #include "lockstep.h"
 #include "log_verbs.h"
 #include "options.h"
@@ -59,10 +61,25 @@ struct ReplaySettings {
   std::string controller, model, map, scenario;
   TimeSpan span;
 
+  std::optional<Flight> flight;
+
+  bool is_of_a_flight() const { return flight.has_value(); }
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
 
-std::string verdict(const ReplayReport& report) {
+/// Other mathematics explains differences within tolerance.
+bool is_rounding_of(const std::optional<Flight>& flight, const ReplayReport& report) {
+  return flight && !flight->other.empty() && report.first && report.within();
+}
+
+/// The commands have the recorded bits, or their rules allow the differences, or other mathematics explains them.
+bool holds(const ReplaySettings& settings, const ReplayReport& report) {
+  return (report.equal() || report.is_allowed() || is_rounding_of(settings.flight, report)) && report.values > 0;
+}
+
+std::string verdict(const ReplaySettings& settings, const ReplayReport& report) {
+  if (is_rounding_of(settings.flight, report))
+    return fmt::format("within its tolerance: {}; {}", headline(report), settings.flight->other);
   if (report.failure) return "failed: " + report.failure->message;
   std::string files;
   for (const std::string& change : report.changed_files) files += "; " + change;
@@ -74,13 +91,10 @@ std::string verdict(const ReplayReport& report) {
                      count_text(report.values, "commanded number"));
 }
 
-/// The commands have the recorded bits, or their rules allow the differences.
-bool holds(const ReplayReport& report) { return (report.equal() || report.is_allowed()) && report.values > 0; }
-
-Json report_json(const ReplayReport& report, const std::vector<std::string>& notes) {
-  Json object{{"verdict", verdict(report)},
+Json report_json(const ReplaySettings& settings, const ReplayReport& report, const std::vector<std::string>& notes) {
+  Json object{{"verdict", verdict(settings, report)},
               {"equal", report.equal() && report.values > 0},
-              {"within", holds(report)},
+              {"within", holds(settings, report)},
               {"explanation", report.explanation}};
   object.update(json_of(report));
   object.update({{"words",
@@ -99,8 +113,9 @@ Json report_json(const ReplayReport& report, const std::vector<std::string>& not
 void tell(const ReplaySettings& settings, const ReplayReport& report, double seconds) {
   fmt::print("replayed {}: {} without physics in {:.3f} s with loading\n", settings.trace,
              count_text(report.ticks, "tick"), seconds);
+  if (settings.flight) fmt::print("{}\n", mathematics_line(*settings.flight));
   tell_control_times(report.control_times);
-  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
+  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(settings, report));
   if (report.words.first)
     fmt::print("their messages differ, too, which doesn't change the verdict: {}\n", to_string(*report.words.first));
   if (!report.first) return;
@@ -146,8 +161,11 @@ Result<void> check_usage(const ReplaySettings& settings) {
     return error("--order with --beside, --instructions, --coverage or a robot's log: these replay in the usual order",
                  "leave one of them out");
   if (!settings.is_of_a_log()) {
-    if (!settings.scenario.empty()) return error("--scenario is for a robot's log, with --model and --map");
-    if (!settings.controller.empty())
+    if (!settings.scenario.empty() && !settings.is_of_a_flight())
+      return error("--scenario is for a flight, or for a robot's log, with --model and --map");
+    if (!settings.scenario.empty() && settings.controller.empty())
+      return error("--scenario without --controller", "--controller LIB is the controller of the scenario");
+    if (!settings.controller.empty() && !settings.is_of_a_flight())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
                    "a library alone is for a robot's log, with --model and --map");
     if (settings.output.empty()) return {};
@@ -203,7 +221,15 @@ std::vector<std::string> notes_on_libraries_of(const ReplaySettings& settings) {
 }
 
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
+  settings.flight = settings.is_of_a_log() ? std::nullopt : flight_in(settings.trace);
+  if (settings.is_of_a_flight()) {
+    take_mathematics_of(*settings.flight);
+    if (!settings.controller.empty())
+      settings.replay.libraries.emplace(settings.flight->controller, settings.controller);
+  }
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
+  if (settings.is_of_a_flight() && !settings.scenario.empty())
+    if (const auto ended = continue_with_logs("the scenario of a flight")) return *ended;
   if (!settings.order.empty())
     if (const auto order = take_turn_order(settings.order); !order) return refuse(order.errors());
   if (settings.instructions) return audit_recording("--instructions", settings, options);
@@ -241,8 +267,11 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     if (const auto written = own_run([&] { return write_replay(settings.trace, settings.output, settings.replay); });
         !written)
       return refuse(written.errors());
+  if (!settings.scenario.empty())
+    if (const auto saved = save_scenario_of_flight(settings.trace, settings.controller, settings.scenario); !saved)
+      return refuse(saved.errors());
   if (settings.json) {
-    print(report_json(*report, notes));
+    print(report_json(settings, *report, notes));
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
@@ -251,7 +280,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (report->equal() && report->values == 0) return Exit::bad_input;
-  return holds(*report) ? Exit::done : Exit::differs;
+  return holds(settings, *report) ? Exit::done : Exit::differs;
 }
 
 std::function<Exit()> declare_replay(CLI::App& options) {
@@ -303,7 +332,7 @@ std::function<Exit()> declare_replay(CLI::App& options) {
       ->type_name("FILE");
   options
       .add_option("--scenario", settings->scenario,
-                  "of a log: write a scenario that begins as the log did, with its posture and joystick")
+                  "of a log or a flight: write a scenario that begins as it did, with its posture and joystick")
       ->type_name("FILE");
   options
       .add_option(
@@ -326,6 +355,7 @@ extern const Verb replay_verb{
     "  rehearse replay failed.mcap --when 'Walker/KNEE/u > 100 && contact(LEFT_FOOT)'\n"
     "  rehearse replay failed.mcap --gdb --tick 3204\n"
     "  rehearse replay walk.mcap --set 'Walker/KNEE/q=nan@tick:1200' -o what_if.mcap\n"
+    "  rehearse replay flight.mcap --controller build/libWalk.so\n"
     "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
     declare_replay};
 

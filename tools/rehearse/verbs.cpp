@@ -45,6 +45,8 @@ constexpr VerbSummary verbs[] = {
      Rounding::is_none},
     {"doctor", files, "find all that is wrong with trace files, each with its place", Program::read, Rounding::is_none,
      "logs", true},
+    {"tap", files, "record what a robot's loop writes into its tap (<rehearse/tap.h>)", Program::of_the_wing,
+     Rounding::is_none, "logs"},
     {"map", files, "write a first map from a robot's log to the inputs of a controller", Program::of_the_wing,
      Rounding::is_none, "logs"},
     {"inspect", models, "load a robot model and report its contents and findings", Program::read},

@@ -14,4 +14,10 @@ Diagnostics findings_of_metadata(const bag::Folder&, const std::filesystem::path
 
 Exit replay_log_of(LogSettings) { return continue_in_wing("logs", "the replay of a robot's log"); }
 
+Result<void> save_scenario_of_flight(const std::filesystem::path&, const std::string&, const std::string&) {
+  return left_out("the scenario of a flight", "logs");
+}
+
+std::optional<Exit> continue_with_logs(std::string_view asked) { return continue_in_wing("logs", asked); }
+
 }  // namespace rehearse::tool

@@ -117,7 +117,8 @@ def main():
     parts += [function_text(one) for one in (rehearse.check, rehearse.record, rehearse.replay, rehearse.diff, rehearse.sweep,
                                              rehearse.audit, rehearse.history, rehearse.inspect, rehearse.report)]
     parts += [class_text(cls) for cls in (rehearse.Result, rehearse.Error, rehearse.UnknownName, rehearse.NoSuchFile, rehearse.Controller,
-                                          own.IO, own.Joint, own.Link, own.Device, rehearse.ControllerBench)]
+                                          own.IO, own.Joint, own.Link, own.Device, rehearse.ControllerBench,
+                                          rehearse.Tap)]
     parts += [function_text(one) for one in (testing.assert_matches_golden, testing.assert_holds, testing.assert_replays)]
     print("\n".join(parts), end="")
 

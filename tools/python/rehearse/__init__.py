@@ -10,10 +10,10 @@ from ._command import Result, audit, check, command, diff, history, inspect, rec
 from ._controller import Controller
 from ._errors import Diagnostic, Error, NoSuchFile, UnknownName
 
-__all__ = ["Controller", "ControllerBench", "Diagnostic", "Error", "Moment", "NoSuchFile", "Pictures", "Result", "Trace", "UnknownName",
+__all__ = ["Controller", "ControllerBench", "Diagnostic", "Error", "Moment", "NoSuchFile", "Pictures", "Result", "Tap", "Trace", "UnknownName",
            "audit", "check", "command", "diff", "history", "inspect", "record", "replay", "report", "sweep"]
 
-_compiled = {"ControllerBench": "_control_bench", "Moment": "_trace", "Pictures": "_trace", "Trace": "_trace"}
+_compiled = {"ControllerBench": "_control_bench", "Moment": "_trace", "Pictures": "_trace", "Tap": "_tap", "Trace": "_trace"}
 
 
 def __getattr__(name):

@@ -15,7 +15,6 @@
 #include "device_message.h"
 
 namespace rehearse {
-namespace {}  // namespace
 
 /// The destination of the messages of one channel.
 struct RecordedInputs::Feed {
@@ -82,10 +81,13 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, mcap::Reader& reader) :
   std::set<std::string> measured;  // bodies
   for (const auto& [id, name] : names)
     if (name.kind == ChannelKind::measured_joints) measured.insert(name.body);
-  const auto samples = RunFacts::of(reader).state_rate;
+  const RunFacts facts = RunFacts::of(reader);
+  const auto& samples = facts.state_rate;
   for (const auto& [id, name] : names) {
     const std::string& topic = reader.channels().at(id).topic;
-    if (name.kind == ChannelKind::joints && name.side == ChannelSide::none && measured.contains(name.body)) continue;
+    const bool is_state = name.kind == ChannelKind::joints && name.side == ChannelSide::none;
+    // The state in a flight has no more than the inputs have.
+    if (is_state && (facts.is_of_flight || measured.contains(name.body))) continue;
     if (is_joint_input(name))
       add_joints_read(reader, id, name);
     else if (!samples || !samples->reduces(topic))

@@ -119,7 +119,9 @@ bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, co
 /// If a failure ended the run, the files that it would have read later are unknown. Recordings from before files were
 /// recorded don't contain the content of files.
 std::vector<std::string> changed_files(const mcap::Reader& recording, const ControllerHost& host) {
-  const std::optional<mcap::StringMap> recorded = RunFacts::of(recording).files;
+  const RunFacts facts = RunFacts::of(recording);
+  if (facts.is_of_flight) return {};  // nobody saw what the robot's loop read
+  const std::optional<mcap::StringMap>& recorded = facts.files;
   std::vector<std::string> changes;
   for (const auto& [file, content] : host.files_read()) {
     const auto before = recorded ? recorded->find(file) : mcap::StringMap::const_iterator();

@@ -47,7 +47,9 @@ void take_provenance(const mcap::StringMap& provenance, RunFacts& run) {
   run.seed = number_of<std::uint32_t>(provenance, facts::seed);
   run.time_step = number_of<double>(provenance, facts::time_step);
   run.duration = number_of<double>(provenance, facts::duration);
-  run.is_of_log = stated(provenance, facts::source) == "log";
+  const std::string source = stated(provenance, facts::source);
+  run.is_of_flight = source == "flight";
+  run.is_of_log = source == "log" || run.is_of_flight;
   const std::string_view prefix = facts::controller_prefix;
   for (const auto& [fact, value] : provenance)
     if (fact.starts_with(prefix)) run.controllers.emplace(fact.substr(prefix.size()), value);
@@ -122,7 +124,9 @@ std::int64_t RunFacts::ticks(std::int64_t messages) const {
 RunFacts RunFacts::of(const std::vector<mcap::Metadata>& metadata) {
   RunFacts run;
   for (const mcap::Metadata& record : metadata) {
-    if (record.name == records::provenance && run.provenances++ == 0) take_provenance(record.values, run);
+    const bool is_next_part = run.is_of_flight && record.values == *run.provenance;
+    if (record.name == records::provenance && !is_next_part && run.provenances++ == 0)
+      take_provenance(record.values, run);
     if (record.name == records::outcome && !run.outcome) run.outcome = RunOutcome::of(record.values);
     if (record.name == records::branch && !run.branch) run.branch = BranchOrigin::of(record.values);
     if (record.name == records::state_rate && !run.state_rate) run.state_rate = StateRate::of(record.values);

@@ -31,6 +31,14 @@ inline constexpr int trace_version = 1;
 inline constexpr int trace_revision = 2;
 inline constexpr int revision_of_contacts = 2;
 
+/// Keys of the record of a flight.
+namespace flight_facts {
+inline constexpr const char* mathematics = "processor_flags";  // mathematics_of_processor()
+inline constexpr const char* tunables = "tunables";            // GLIBC_TUNABLES of the loop
+inline constexpr const char* architecture = "architecture";    // uname -m
+inline constexpr const char* libm = "libm_build_id";           // empty: linked statically, or unknown
+}  // namespace flight_facts
+
 /// Names of metadata records.
 namespace records {
 inline constexpr const char* provenance = "rehearse";
@@ -41,6 +49,7 @@ inline constexpr const char* state_rate = "rehearse.state_rate";  // in a golden
 inline constexpr const char* devices_read = "rehearse.devices_read";  // BODY/DEVICE: the controllers that read it
 inline constexpr const char* files = "rehearse.files";     // files that controllers read: ControllerHost::files_read
 inline constexpr const char* log_topic = "rehearse.log ";  // followed by the topic
+inline constexpr const char* flight = "rehearse.flight";   // the tap, its loop and its machine
 }  // namespace records
 
 /// Keys of the provenance.
@@ -67,7 +76,8 @@ inline constexpr const char* pinned_renderer = "pinned.GALLIUM_OVERRIDE_CPU_CAPS
 /// One value that identifies the build of Rehearse and of the libraries that it computes with.
 inline constexpr const char* programs = "programs";
 inline constexpr const char* virtualised = "virtualised";
-inline constexpr const char* source = "source";  // "log"; missing in recordings of simulations
+inline constexpr const char* source = "source";  // "log", "flight"; missing in recordings of simulations
+inline constexpr const char* flight = "flight";  // identifies a flight: its files have equal provenance
 inline constexpr const char* log = "log";
 inline constexpr const char* log_start = "log.start";
 inline constexpr const char* map = "map";
@@ -106,12 +116,13 @@ struct BranchOrigin {
 
 struct RunFacts {
   std::optional<mcap::StringMap> provenance = {};  // all facts; nullopt: not a recording of Rehearse
-  int provenances = 0;                             // number of records; more than one: several recordings, merged
+  int provenances = 0;  // number of records; more than one: several recordings, merged. Parts of a flight count as one
   std::optional<int> trace_version = {};
   int trace_revision = 1;
   std::optional<std::uint32_t> seed = {};
   std::optional<double> time_step = {}, duration = {};  // [s]
-  bool is_of_log = false;                               // recorded from the log of a real robot; else from a simulation
+  bool is_of_log = false;     // recorded from a real robot, by its log or by a tap; else from a simulation
+  bool is_of_flight = false;  // by a tap
   std::map<std::string, std::string> controllers = {};  // by BODY/NAME: the library's file and its hash
   std::optional<RunOutcome> outcome = {};               // none: the recording is incomplete
   std::optional<BranchOrigin> branch = {};

@@ -14,6 +14,7 @@
 #include "base/clock.h"
 #include "core/kinds/channel_name.h"
 #include "core/replay/replay_recording.h"
+#include "core/trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -159,7 +160,8 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
     made->remarks_.push_back(warning("the controllers can't be replayed: all shown values are recorded ones"));
     return made;
   }
-  if (!report->other_controllers.empty())
+  // A flight states no library: its controller was a robot's loop.
+  if (!report->other_controllers.empty() && !RunFacts::of(trace).is_of_flight)
     made->remarks_.push_back(
         warning(fmt::format("the library of {} isn't the one that was recorded: commands may differ for that",
                             fmt::join(report->other_controllers, ", "))));
