@@ -168,11 +168,13 @@ class NodeParts : public interfaces::NodeBaseInterface,
 
   // Topics, services, timers, waitables.
   void add_publisher(rclcpp::PublisherBase::SharedPtr publisher, rclcpp::CallbackGroup::SharedPtr) override {
+    publisher->rehearse_endpoint()->node = full_name_;
     Topics::instance().add_publisher(publisher->rehearse_endpoint());
   }
   void add_subscription(rclcpp::SubscriptionBase::SharedPtr subscription,
                         rclcpp::CallbackGroup::SharedPtr group) override {
     in(group).rehearse_add(EntityKind::subscription, subscription);
+    subscription->rehearse_endpoint()->node = full_name_;
     Topics::instance().add_subscription(subscription->rehearse_endpoint());
   }
   interfaces::NodeBaseInterface* get_node_base_interface() const override { return const_cast<NodeParts*>(this); }

@@ -1,12 +1,11 @@
 // A node as a component: a class of a library, which a host creates by its name.
 #pragma once
 
-#include <class_loader/class_loader.hpp>
-
 #include <memory>
-#include <utility>
-
 #include <rclcpp/rclcpp.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace rclcpp_components {
 
@@ -39,7 +38,31 @@ class NodeFactoryTemplate : public NodeFactory {
   }
 };
 
+using RehearseMaker = std::unique_ptr<NodeFactory> (*)();
+
+/// A component of the library that contains this object, as long as it is loaded. Two libraries may have components of
+/// one name.
+class RehearseComponent {
+ public:
+  RehearseComponent(const char* name, RehearseMaker maker);
+  ~RehearseComponent();
+  RehearseComponent(const RehearseComponent&) = delete;
+  RehearseComponent& operator=(const RehearseComponent&) = delete;
+};
+
+/// Makes the component of a library; null: it has none of that name. `handle`: of the dynamic linker.
+RehearseMaker rehearse_find_component(void* handle, const std::string& name);
+/// The names of all components of a library.
+std::vector<std::string> rehearse_components_of(void* handle);
+
 }  // namespace rclcpp_components
 
-#define RCLCPP_COMPONENTS_REGISTER_NODE(NodeClass) \
-  CLASS_LOADER_REGISTER_CLASS(rclcpp_components::NodeFactoryTemplate<NodeClass>, rclcpp_components::NodeFactory)
+#define REHEARSE_COMPONENT_NAME_(number) rehearse_component_##number
+#define REHEARSE_COMPONENT_NAME(number) REHEARSE_COMPONENT_NAME_(number)
+#define RCLCPP_COMPONENTS_REGISTER_NODE(NodeClass)                                      \
+  namespace {                                                                           \
+  const ::rclcpp_components::RehearseComponent REHEARSE_COMPONENT_NAME(__COUNTER__){    \
+      #NodeClass, []() -> std::unique_ptr<::rclcpp_components::NodeFactory> {           \
+        return std::make_unique<::rclcpp_components::NodeFactoryTemplate<NodeClass>>(); \
+      }};                                                                               \
+  }

@@ -30,6 +30,8 @@ class Bus {
   std::uint64_t changes() const { return changes_; }
   /// Numbers of requests, goals and publications: 1, 2, ...
   std::int64_t next_number() { return ++numbers_; }
+  /// A run begins: they are the same in each.
+  void begin_numbers() { numbers_ = 0; }
 
  private:
   std::mutex waiting_;

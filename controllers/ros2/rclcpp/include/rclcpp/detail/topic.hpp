@@ -44,6 +44,7 @@ class Endpoint {
   const MessageMembers& type;
   const rclcpp::QoS qos;
   const std::size_t limit;
+  std::string node;            // the full name of its node; set before others see it
   std::deque<Delivery> queue;  // under the lock of the bus
   /// The oldest one goes if the queue is full.
   void put(const Delivery& delivery);
