@@ -42,7 +42,11 @@ class CoverageSum {
   /// Adds a library of which a replay executed nothing yet. Fails as map_code(), and for a controller in Python.
   Result<void> add_library(const fs::path& file) {
     if (maps_.contains(file)) return {};
-    if (const auto hosted = hosted_name(file))
+    const auto hosted = hosted_name(file);
+    if (hosted && hosted->language.is_library)
+      return error(fmt::format("the lines of controller '{}' can't be watched: it is one of {}",
+                               file.filename().string(), hosted->language.name));
+    if (hosted)
       return error(fmt::format("controller '{}' is written in {}: it has no machine code, in which lines are watched",
                                file.filename().string(), hosted->language.name),
                    fmt::format("{}'s own package coverage lists its lines", hosted->language.name));

@@ -50,9 +50,10 @@ constexpr const char* factory_name = "createSimpleController";
 constexpr const char* abi_name = "rehearseCnoidAbi";
 constexpr const char* c_functions_name = "rehearse_controller";
 
-std::vector<fs::path> stated_folders() {
+/// The folders of an environment variable, separated by colons.
+std::vector<fs::path> folders_in(const char* variable) {
   std::vector<fs::path> folders;
-  if (const char* listed = std::getenv("REHEARSE_CONTROLLER_PATH")) {
+  if (const char* listed = std::getenv(variable)) {
     std::string_view rest = listed;
     while (!rest.empty()) {
       const std::size_t colon = rest.find(':');
@@ -85,7 +86,7 @@ std::vector<fs::path> built_folders(const fs::path& project, const std::string& 
 /// controllers may be made with different compilers, or with sanitizers.
 std::vector<fs::path> search_folders(const std::string& name, const fs::path& directory) {
   const fs::path own = own_library_folder() / "rehearse" / "controllers";
-  std::vector<fs::path> folders = stated_folders();
+  std::vector<fs::path> folders = folders_in("REHEARSE_CONTROLLER_PATH");
   for (const fs::path& inside : {directory / "", fs::current_path() / ""}) {
     const auto project = find_project(inside);
     if (!project || is_inside(own, *project)) continue;
@@ -156,13 +157,16 @@ bool is_path(const std::string& name) {
 }
 
 /// The places of a controller whose name is a path. The name of a file alone, of a hosted language, is also searched in
-/// the folder of the project: it is a source, and a project's sources needn't be beside its scenarios.
+/// the folder of the project: it is a source, and a project's sources needn't be beside its scenarios. A library is
+/// also searched where the dynamic linker does.
 std::vector<fs::path> places_of_path(const std::string& name, const fs::path& directory) {
   std::vector<fs::path> places{directory / name, fs::current_path() / name};
   if (places[0].lexically_normal() == places[1].lexically_normal()) places.pop_back();
   if (name.find('/') != std::string::npos || !hosted_name(name)) return places;
   for (const fs::path& inside : {directory / "", fs::current_path() / ""})
     if (const auto project = find_project(inside)) places.push_back(*project / name);
+  if (hosted_name(name)->file.extension() == ".so")
+    for (const fs::path& folder : folders_in("LD_LIBRARY_PATH")) places.push_back(folder / name);
   return places;
 }
 
@@ -287,7 +291,11 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
     return error(name + " failed while it was loaded: it " + outcome.what);
   }
   if (hosted) {
-    if (hosted_problem.message.empty()) return library;
+    if (hosted_problem.message.empty()) {
+      if (void* const handle = library->language_->handle ? library->language_->handle(library->hosted_) : nullptr)
+        library->take_links(handle);
+      return library;
+    }
     Diagnostic refused = error_in(hosted_problem.file, text_of_controller(hosted_problem.message), hosted_problem.hint);
     refused.line = hosted_problem.line;
     return refused;
@@ -297,8 +305,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
       return error(name + " is not a shared library", "build it with rehearse_add_simple_controller or -shared -fPIC");
     return error(name + " can't be loaded: " + readable(problem));
   }
-  library->linked_ = linked_libraries(library->handle_);
-  library->threads_->from_start = can_start_threads(library->handle_);
+  library->take_links(library->handle_);
   library->factory_ = reinterpret_cast<Factory>(dlsym(library->handle_, factory_name));
   library->c_functions_ = static_cast<const rehearse_controller_functions*>(dlsym(library->handle_, c_functions_name));
   if (!library->factory_ && !library->c_functions_)
@@ -318,6 +325,11 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
                      ", whose classes have another memory layout",
                  "compile it again with the headers of this version");
   return library;
+}
+
+void ControllerLibrary::take_links(void* handle) {
+  linked_ = linked_libraries(handle);
+  threads_->from_start = can_start_threads(handle);
 }
 
 LanguageProblem ControllerLibrary::load_hosted(const HostedName& name) {

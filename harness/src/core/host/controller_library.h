@@ -54,7 +54,7 @@ class ControllerLibrary {
   const std::filesystem::path& file() const { return file_; }
   /// hash_of_controller() of the library's file.
   const std::string& content_hash() const { return content_hash_; }
-  /// linked_libraries() of it; none of a hosted language.
+  /// linked_libraries() of it; none of a hosted language whose controllers are no shared libraries.
   const std::map<std::string, std::string>& linked() const { return linked_; }
   /// Changes that the library made to the process while it was loaded, and their repair.
   const std::vector<std::string>& remarks() const { return remarks_; }
@@ -68,6 +68,8 @@ class ControllerLibrary {
   using Factory = cnoid::SimpleController* (*)();
   /// Loads a controller of a hosted language; runs its author's code.
   LanguageProblem load_hosted(const HostedName& name);
+  /// What the dynamic linker knows of the controller's library.
+  void take_links(void* handle);
   void unload();
   std::filesystem::path file_;
   std::string label_;  // of the controller, for the report of a process that ends while the library is unloaded

@@ -14,7 +14,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr HostedLanguage languages[] = {
-    {"Python", ".py", "librehearse_python.so", "python3-rehearse"},
+    {"Python", ".py", "librehearse_python.so",
+     "install the package python3-rehearse; a build has it if the packages of tools/setup are installed"},
+    {"components", ".so", "ros2/lib/librehearse_guests.so", "a build has it after tools/setup ros2 and tools/ros2",
+     true},
 };
 
 Result<const LanguageFunctions*> load(const HostedLanguage& language) {
@@ -22,8 +25,7 @@ Result<const LanguageFunctions*> load(const HostedLanguage& language) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored))
     return error(fmt::format("controllers in {} can't run here: {} is missing", language.name, file.string()),
-                 fmt::format("install the package {}; a build has it if the packages of tools/setup are installed",
-                             language.package));
+                 std::string(language.advice));
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   const auto* functions = handle ? static_cast<const LanguageFunctions*>(dlsym(handle, "rehearse_language")) : nullptr;
   if (!functions) return error(fmt::format("{} can't be loaded: {}", file.string(), dlerror()));
@@ -38,10 +40,12 @@ Result<const LanguageFunctions*> load(const HostedLanguage& language) {
 std::optional<HostedName> hosted_name(const fs::path& name) {
   const std::string text = name.string();
   for (const HostedLanguage& language : languages) {
-    const std::size_t colon = text.rfind(':');
-    const std::string file = text.substr(0, colon);
-    if (!file.ends_with(language.ending)) continue;
-    return HostedName{language, file, colon == std::string::npos ? "" : text.substr(colon + 1)};
+    const std::size_t colon = text.rfind(std::string(language.ending) + ":");  // a class may have colons, too
+    if (colon != std::string::npos) {
+      const std::size_t end = colon + language.ending.size();
+      return HostedName{language, text.substr(0, end), text.substr(end + 1)};
+    }
+    if (!language.is_library && text.ends_with(language.ending)) return HostedName{language, text, ""};
   }
   return std::nullopt;
 }

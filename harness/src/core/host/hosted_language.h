@@ -1,5 +1,5 @@
-// Controllers in a file of another language, which a library of that language runs: "hold.py:Hold". The core knows no
-// such language but by its row in hosted_language.cpp.
+// Controllers in a file of another language, or library of another kind, which a library of that language runs:
+// "hold.py:Hold". The core knows no such language but by its row in hosted_language.cpp.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -18,7 +18,8 @@ struct HostedLanguage {
   std::string_view name;     // "Python"
   std::string_view ending;   // of its files
   std::string_view library;  // in the folder `rehearse` beside the libraries of Rehearse
-  std::string_view package;  // of Debian
+  std::string_view advice;   // how to get the library
+  bool is_library = false;   // its files are shared libraries: without a class they are ordinary controllers
 };
 
 /// The parts of FILE:CLASS.

@@ -9,7 +9,7 @@ struct rehearse_controller_functions;  // of <rehearse/controller.h>
 
 namespace rehearse {
 
-inline constexpr std::uint32_t language_functions_version = 1;
+inline constexpr std::uint32_t language_functions_version = 2;
 
 /// Why a file can't be loaded as a controller.
 struct LanguageProblem {
@@ -30,6 +30,8 @@ struct LanguageFunctions {
   const rehearse_controller_functions* (*functions)(void* loaded) = nullptr;
   /// `loaded` isn't used any more. Not called if code of it never returned.
   void (*unload)(void* loaded) = nullptr;
+  /// The dynamic linker's handle of what load() returned; the function is null if it is no shared library.
+  void* (*handle)(void* loaded) = nullptr;
 };
 
 }  // namespace rehearse

@@ -23,8 +23,8 @@ const BoundForm<ScenarioController>& bound_controller_form() {
       {FormKey{"name", types::name(),
                "names its channels, unique in its body, children included; default: the name of its library, or of its "
                "class"},
-       FormKey{"library", types::some_text(), "a name such as SR1MinimumController, a path, or FILE.py:CLASS",
-               required},
+       FormKey{"library", types::some_text(),
+               "a name such as SR1MinimumController, a path, FILE.py:CLASS, or FILE.so:CLASS of a component", required},
        {"options", &ScenarioController::options, "its option string"},
        {"delay", &ScenarioController::delay, "its outputs act one tick later"},
        {"optional", &ScenarioController::optional, "the run goes on without it if it refuses to take part, see below"},

@@ -1,0 +1,1 @@
+find_package(rosidl_core_generators REQUIRED)

@@ -1,0 +1,151 @@
+#include "guest_options.h"
+
+#include <algorithm>
+
+namespace rehearse::ros2 {
+namespace {
+
+struct PartRow {
+  const char* name;
+  TopicBinding::Part part;
+};
+constexpr PartRow parts[] = {{"joint_states", TopicBinding::Part::joint_states},
+                             {"imu", TopicBinding::Part::imu},
+                             {"efforts", TopicBinding::Part::efforts},
+                             {"velocities", TopicBinding::Part::velocities},
+                             {"positions", TopicBinding::Part::positions}};
+
+struct DeedRow {
+  const char* name;
+  GuestEvent::Deed deed;
+  const char* content;  // the key of its content; null: the value itself is the content or the target
+};
+constexpr DeedRow deeds[] = {{"publish", GuestEvent::Deed::publish, "message"},
+                             {"call", GuestEvent::Deed::call, "request"},
+                             {"set_parameters", GuestEvent::Deed::set_parameters, nullptr},
+                             {"transition", GuestEvent::Deed::transition, nullptr}};
+
+std::string text_of(const YAML::Node& node, const std::string& what) {
+  if (!node.IsScalar()) throw mistake(node, what + " is a text");
+  return node.Scalar();
+}
+
+std::vector<std::string> texts_of(const YAML::Node& node, const std::string& what) {
+  std::vector<std::string> texts;
+  if (!node.IsSequence()) throw mistake(node, what + " is a list");
+  for (const YAML::Node& element : node) texts.push_back(text_of(element, "an element of " + what));
+  return texts;
+}
+
+template <class Rows>
+const auto& row_of(const Rows& rows, const YAML::Node& node, const std::string& name) {
+  std::string all;
+  for (const auto& row : rows) {
+    if (name == row.name) return row;
+    all += (all.empty() ? "" : ", ") + std::string(row.name);
+  }
+  throw mistake(node, "'" + name + "' isn't known here; expected " + all);
+}
+
+TopicBinding read_topic(const YAML::Node& topic, const YAML::Node& value) {
+  TopicBinding binding;
+  binding.topic = text_of(topic, "a topic");
+  binding.place = topic;
+  if (binding.topic.empty() || binding.topic[0] != '/')
+    throw mistake(topic, "the topic '" + binding.topic + "' doesn't begin with '/'");
+  if (value.IsScalar()) {
+    binding.part = row_of(parts, value, value.Scalar()).part;
+  } else if (value.IsMap() && value.size() == 1) {
+    const auto entry = *value.begin();
+    binding.part = row_of(parts, entry.first, entry.first.Scalar()).part;
+    binding.names = texts_of(entry.second, "'" + entry.first.Scalar() + "'");
+  } else {
+    throw mistake(value, "expected a part of the robot, or PART: [NAME, ...]");
+  }
+  if (binding.part == TopicBinding::Part::imu && binding.names.empty())
+    throw mistake(value, "expected the devices: {imu: [GYRO, ACCELEROMETER]}");
+  return binding;
+}
+
+void add_parameters(const YAML::Node& map, const std::string& prefix, GuestOptions& options) {
+  for (const auto& entry : map) {
+    const std::string name = prefix + entry.first.Scalar();
+    if (entry.second.IsMap()) {
+      add_parameters(entry.second, name + ".", options);
+      continue;
+    }
+    YAML::Emitter text;
+    text << YAML::Flow << entry.second;
+    options.parameters.emplace_back(name, text.c_str());
+  }
+}
+
+GuestEvent read_event(const YAML::Node& node) {
+  if (!node.IsMap() || !node["at"]) throw mistake(node, "expected an event with its time, as {at: 0.5, ...}");
+  GuestEvent event;
+  event.place = node;
+  try {
+    event.at = node["at"].as<double>();
+  } catch (const YAML::Exception&) {
+    throw mistake(node["at"], "'at' is a time in seconds");
+  }
+  const DeedRow* deed = nullptr;
+  for (const auto& entry : node) {
+    const std::string name = entry.first.Scalar();
+    if (name == "at" || name == "message" || name == "request") continue;
+    if (deed != nullptr) throw mistake(entry.first, "an event is one of publish, call, set_parameters, transition");
+    deed = &row_of(deeds, entry.first, name);
+    event.deed = deed->deed;
+    if (deed->deed == GuestEvent::Deed::set_parameters)
+      event.content = entry.second;
+    else
+      event.target = text_of(entry.second, "'" + name + "'");
+  }
+  if (deed == nullptr) throw mistake(node, "an event is one of publish, call, set_parameters, transition");
+  if (deed->content != nullptr && node[deed->content]) event.content = node[deed->content];
+  return event;
+}
+
+}  // namespace
+
+GuestOptions read_guest_options(const std::string& text) {
+  GuestOptions options;
+  YAML::Node root;
+  try {
+    // The host puts a space between the options of a run and these.
+    root = YAML::Load(text.substr(std::min(text.find_first_not_of(' '), text.size())));
+  } catch (const YAML::Exception& problem) {
+    throw OptionsError("options, line " + std::to_string(problem.mark.line + 1) + ": " + problem.msg);
+  }
+  if (root.IsNull()) return options;
+  if (!root.IsMap()) throw mistake(root, "expected keys, as topics: {/joint_states: joint_states}");
+  for (const auto& entry : root) {
+    const std::string key = entry.first.Scalar();
+    const YAML::Node& value = entry.second;
+    if (key == "arguments") {
+      options.arguments = texts_of(value, "'arguments'");
+    } else if (key == "parameters") {
+      if (!value.IsMap()) throw mistake(value, "'parameters' is a map of names and values");
+      add_parameters(value, "", options);
+    } else if (key == "topics") {
+      if (!value.IsMap()) throw mistake(value, "'topics' is a map of topics and parts of the robot");
+      for (const auto& topic : value) options.topics.push_back(read_topic(topic.first, topic.second));
+    } else if (key == "events") {
+      if (!value.IsSequence()) throw mistake(value, "'events' is a list");
+      for (const YAML::Node& event : value) options.events.push_back(read_event(event));
+    } else if (key == "lifecycle") {
+      const std::string state = text_of(value, "'lifecycle'");
+      if (state != "active" && state != "inactive" && state != "unconfigured")
+        throw mistake(value, "'" + state + "' isn't known here; expected active, inactive, unconfigured");
+      options.configures = state != "unconfigured";
+      options.activates = state == "active";
+    } else {
+      throw mistake(entry.first,
+                    "'" + key + "' isn't known here; expected arguments, events, lifecycle, parameters, topics");
+    }
+  }
+  options.events.sort([](const GuestEvent& one, const GuestEvent& other) { return one.at < other.at; });
+  return options;
+}
+
+}  // namespace rehearse::ros2

@@ -1,0 +1,2 @@
+#pragma once
+#include "pal_statistics/pal_statistics.hpp"
