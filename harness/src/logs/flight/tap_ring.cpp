@@ -92,6 +92,7 @@ Result<std::unique_ptr<TapRing>> TapRing::open(const fs::path& file, Use use) {
   (*ring)->takes_ = use == Use::takes;
   (*ring)->descriptor_ = std::move(descriptor);
   (*ring)->begin_with_oldest();  // it is known now whether there is a loop
+  if (use == Use::takes) (*ring)->count_dropped();
   return ring;
 }
 
@@ -161,7 +162,7 @@ TapRing::Got TapRing::take_next(const TapDefinitions& definitions, TapTick& tick
   const bool is_whole = taken == tap_record && record[2] == tap_record_hash(record.data(), count) &&
                         record[0] == count && tick.read(record, definitions);
   if (!is_whole) begin_with_next();
-  if (takes_) TAP_STORE(&head_->read, place_);
+  if (takes_ && place_ > TAP_LOAD(&head_->read)) TAP_STORE(&head_->read, place_);
   return is_whole ? Got::tick : Got::damaged;
 }
 
@@ -171,9 +172,12 @@ void TapRing::begin_with_oldest() {
 }
 void TapRing::begin_with_next() { place_ = TAP_LOAD_ACQUIRE(&head_->written); }
 void TapRing::take_all() { TAP_STORE(&head_->read, UINT64_MAX); }
+void TapRing::count_dropped() {
+  if (TAP_LOAD(&head_->read) == UINT64_MAX) TAP_STORE(&head_->read, place_);
+}
 std::uint64_t TapRing::end() const { return TAP_LOAD_ACQUIRE(&head_->written); }
 void TapRing::state_saved() {
-  if (takes_) TAP_STORE(&head_->saved, place_);
+  if (takes_ && place_ > TAP_LOAD(&head_->saved)) TAP_STORE(&head_->saved, place_);
 }
 
 bool TapRing::has_loop() const { return !is_closed() && owner_of(descriptor_, tap_lock_of_writer) != 0; }

@@ -90,6 +90,8 @@ class TapRing {
   TapRing(Facts facts, std::span<std::byte> memory, std::string file);
 
   Got take_next(const TapDefinitions& definitions, TapTick& tick);
+  /// The loop counts ticks as dropped again, after a take_all() of an earlier reader.
+  void count_dropped();
 
   Facts facts_;
   tap_ring_head* head_;
