@@ -65,6 +65,11 @@ execute_process(COMMAND ldd ${prefix}/${LIBRARIES}/librehearse_tap.so OUTPUT_VAR
 if(needed MATCHES "libstdc|libgcc|librehearse_[a-su-z]")
   message(FATAL_ERROR "librehearse_tap.so needs more than the C library:\n${needed}")
 endif()
+file(REAL_PATH ${prefix}/${LIBRARIES}/librehearse_tap.so tap)
+file(SIZE ${tap} size)
+if(size GREATER 100000)
+  message(FATAL_ERROR "librehearse_tap.so has ${size} bytes: a robot's loop loads at most 100 kB")
+endif()
 find_program(pkg_config NAMES pkg-config pkgconf)
 if(pkg_config)
   execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${prefix}/${LIBRARIES}/pkgconfig

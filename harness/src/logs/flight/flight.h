@@ -19,11 +19,12 @@ struct FlightOptions {
   /// Only the last seconds are kept, when the loop marks them, its process ends without closing the tap, a command is
   /// beyond the effort of its joint in the model, or keeps_now() is true.
   bool is_black_box = false;
-  std::optional<double> seconds;    // of a black box [s]; nullopt: as the tap states them
-  std::uint64_t part_size = 0;      // a file that is larger is followed by another one, FILE_0, FILE_1, ... [bytes]; 0: no limit
-  std::uint64_t keep_free = 0;      // a recording ends when its disk has less room [bytes]
-  std::function<bool()> stops;      // asked all the time; null: never
-  std::function<bool()> keeps_now;  // likewise
+  std::optional<double> seconds;  // of a black box [s]; nullopt: as the tap states them
+  std::uint64_t part_size =
+      0;  // a file that is larger is followed by another one, FILE_0, FILE_1, ... [bytes]; 0: no limit
+  std::uint64_t keep_free = 0;                            // a recording ends when its disk has less room [bytes]
+  std::function<bool()> stops;                            // asked all the time; null: never
+  std::function<bool()> keeps_now;                        // likewise
   std::function<void(const std::string& sentence)> tell;  // what happens; null: nobody is told
 };
 

@@ -332,9 +332,7 @@ Result<void> FlightWriter::close(std::optional<std::int64_t> ticks) {
   for (const TapSeries& series : impl_->plan.definitions.series)
     if (!series.is_of_joints()) read[series.body + "/" + series.device] = impl_->plan.label;
   REHEARSE_TRY(impl_->writer->add_metadata(records::devices_read, read));
-  if (ticks)
-    REHEARSE_TRY(
-        impl_->writer->add_metadata(records::outcome, RunOutcome{.ticks = ticks}.metadata()));
+  if (ticks) REHEARSE_TRY(impl_->writer->add_metadata(records::outcome, RunOutcome{.ticks = ticks}.metadata()));
   REHEARSE_TRY(sync());
   return impl_->writer->close();
 }
