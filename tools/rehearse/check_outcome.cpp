@@ -65,6 +65,8 @@ TestResult result_of(const CheckOutcome& outcome) {
   result.state = state_of<TestResult::State>(outcome);
   result.verdict = outcome.verdict;
   result.report = outcome.report;
+  result.seconds = outcome.seconds;
+  result.project = fs::path(outcome.file).parent_path();
   if (result.report.empty()) return result;
   if (outcome.tick) result.tick = *outcome.tick;
   const auto scenario = read_scenario(outcome.file);
