@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <tuple>
 
 #include "support/shell.h"
 
@@ -75,7 +76,8 @@ using ReportPage = Screenshots;
 void Screenshots::expect_as_approved(const std::string& name) {
   if (const std::string reason = reason_to_skip(); !reason.empty()) GTEST_SKIP() << reason;
   const fs::path taken = scratch_ / "taken.png", folder = fs::path(REPORT_TESTS) / "screenshots";
-  const auto taking = test::run("node " + test::quoted(fs::path(REPORT_TESTS) / "screenshots.mjs") + " " +
+  const auto taking = test::run("REHEARSE_COMMAND=" + test::quoted(REHEARSE_COMMAND) + " node " +
+                                test::quoted(fs::path(REPORT_TESTS) / "screenshots.mjs") + " " +
                                 test::quoted(REPORT_PAGE) + " " + test::quoted(taken) + " " + name);
   ASSERT_EQ(taking.status, 0) << taking.text;
   const char* what = std::getenv("REHEARSE_SCREENSHOTS");
@@ -110,6 +112,23 @@ TEST_F(ReportPage, LooksAsApprovedOfOneRunWithoutCameras) { expect_as_approved("
 
 TEST_F(ReportPage, LooksAsApprovedWithACoverage) { expect_as_approved("coverage_light"); }
 TEST_F(ReportPage, LooksAsApprovedWithACoverageInDark) { expect_as_approved("coverage_dark"); }
+
+/// A page at a width [px] in a theme: "history_420_dark".
+class EveryPage : public Screenshots,
+                  public ::testing::WithParamInterface<std::tuple<const char*, int, const char*>> {};
+
+TEST_P(EveryPage, LooksAsApproved) {
+  const auto [page, width, theme] = GetParam();
+  expect_as_approved(std::string(page) + "_" + std::to_string(width) + "_" + theme);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, EveryPage,
+                         ::testing::Combine(::testing::Values("index", "history", "campaign", "coverage_page"),
+                                            ::testing::Values(1280, 420), ::testing::Values("light", "dark")),
+                         [](const auto& info) {
+                           return std::string(std::get<0>(info.param)) + "_" + std::to_string(std::get<1>(info.param)) +
+                                  "_" + std::get<2>(info.param);
+                         });
 
 // A button of the page, painted over.
 TEST_F(Screenshots, ThatLackAButtonAreFound) {

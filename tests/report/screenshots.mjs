@@ -1,10 +1,12 @@
 // Takes a picture that screenshot_test.cpp compares: node screenshots.mjs PAGE PICTURE NAME
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+// REHEARSE_COMMAND is in the environment, for pages without a recording.
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { launch, open_report } from './browser.mjs';
 import { coverage_of, walk } from './covered.mjs';
 import { make_report } from './make_report.mjs';
+import { small_pages } from './small_pages.mjs';
 
 const options = { ticks: 2000, channels: 60, cameras: 1, picture_every: 50, noise: false };
 const covered = {
@@ -28,19 +30,34 @@ const shots = {
   coverage_light: { ...covered, width: 1280, height: 900 },
   coverage_dark: { ...covered, width: 1280, height: 900, dark: true },
 };
+for (const name of ['coverage_page', ...Object.keys(small_pages)])
+  for (const width of [1280, 420])
+    for (const dark of [false, true])
+      shots[`${name}_${width}_${dark ? 'dark' : 'light'}`] = {
+        width,
+        height: width > 500 ? 800 : 900,
+        dark,
+        make: small_pages[name],
+        options: { ...covered.options, coverage_alone: true },
+      };
 
 const [page_file, picture, name] = process.argv.slice(2);
 const shot = shots[name];
 if (!shot) throw new Error(`there is no screenshot ${name}`);
-const { options: own, tab, ...how } = shot;
+const { options: own, tab, make, ...how } = shot;
 const page_text = readFileSync(page_file, 'utf8');
 const scratch = mkdtempSync(join(tmpdir(), 'rehearse_screenshots_'));
 const browser = await launch();
 try {
-  const file = join(scratch, 'report.html');
-  writeFileSync(file, make_report(page_text, own ?? options));
-  const { page } = await open_report(browser, file, { ...how, fonts: true });
-  await page.evaluate(() => window.rehearse.settled());
+  const report = join(scratch, 'report.html');
+  if (!make) writeFileSync(report, make_report(page_text, own ?? options));
+  if (make) mkdirSync(join(scratch, 'project'));
+  const file = make ? make(join(scratch, 'project')) : report;
+  const { page } = await open_report(browser, file, { ...how, fonts: true, ready: !make });
+  if (make) await page.waitForLoadState('load');
+  else await page.evaluate(() => window.rehearse.settled());
+  // how long a check took is another time each time
+  if (make) await page.$$eval('.tests td:nth-child(5)', (all) => all.forEach((one) => (one.textContent &&= '0.10 s')));
   if (tab) {
     await page.click(`#tab-${tab}`);
     await page.waitForSelector('.lines .line:nth-child(3)');

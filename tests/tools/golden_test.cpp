@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 #include <chrono>
+#include <sstream>
 #include <thread>
 
 #include "command.h"
@@ -46,15 +48,19 @@ class GoldenVerbs : public Command {
   }
 
   /// The verb on a terminal of its own, with these keys pressed, an entry for each question that it asks.
-  Outcome on_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& keys) const;
+  /// `columns`: of the terminal; 0: it has no size.
+  Outcome on_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& keys,
+                      unsigned short columns = 0) const;
 
   const std::string scenario_ = "fixtures/scenarios/box.yaml";
 };
 
-Outcome GoldenVerbs::on_terminal(const std::vector<std::string>& arguments,
-                                 const std::vector<std::string>& keys) const {
+Outcome GoldenVerbs::on_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& keys,
+                                 unsigned short columns) const {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
   EXPECT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+  const winsize size{24, columns, 0, 0};
+  if (columns > 0) ioctl(terminal, TIOCSWINSZ, &size);
   const std::string name = ptsname(terminal);
   const pid_t child = fork();
   if (child == 0) {
@@ -145,6 +151,20 @@ TEST_F(GoldenVerbs, ReviewOnATerminalAcceptsWithOneKey) {
   EXPECT_THAT(outcome.out, HasSubstr("[a]ccept [r]eject [s]kip [d]etails [q]uit a\naccepted: look at " + digest_file));
   EXPECT_FALSE(exists(pending_file));
   EXPECT_EQ(rehearse({"check", scenario_}).status, 0);
+}
+
+TEST_F(GoldenVerbs, ReviewOnATerminalBreaksTheVerdictBetweenWords) {
+  change();
+  const std::string said = rehearse({"check", scenario_, "--json"}).json()["verdict"];
+  ASSERT_GT(said.size(), 40U);
+  const std::string out = on_terminal({"golden", "review"}, {"q"}, 40).out;
+  std::istringstream lines(out.substr(out.find(said.substr(0, said.find(' ')))));
+  std::string together;
+  for (std::string line; together.size() < said.size() && std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 40U) << line;
+    together += (together.empty() ? "" : " ") + line;
+  }
+  EXPECT_EQ(together, said) << out;
 }
 
 TEST_F(GoldenVerbs, ReviewOnATerminalRejectsSkipsShowsAndQuits) {

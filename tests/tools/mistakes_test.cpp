@@ -228,6 +228,32 @@ TEST_F(Mistake, ACrashBesideAGoldenIsNotAdvisedForAcceptance) {
   EXPECT_THAT(all, HasSubstr("bit-equal: "));
 }
 
+/// A golden whose files were damaged by hand, by a merge or by a copy.
+class DamagedGolden : public Mistake, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(DamagedGolden, NamesTheCauseAndTheWayBackInItsFirstLine) {
+  const std::string damage = GetParam(), recording = "golden/Macro.Falls.mcap", digest = "golden/Macro.Falls.txt";
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  if (damage == "NoDigest") fs::remove(folder() / digest);
+  if (damage == "EditedDigest") write(digest, read_file(folder() / digest) + "checked by me\n");
+  if (damage == "ConflictMarkers") write(digest, "<<<<<<< HEAD\n" + read_file(folder() / digest) + "=======\n");
+  if (damage == "CutShort") fs::resize_file(folder() / recording, fs::file_size(folder() / recording) / 2);
+  const std::string file = damage == "CutShort" ? recording : digest, text = checked();
+  const std::string first = text.substr(0, text.find('\n'));
+  EXPECT_THAT(first, HasSubstr(file));
+  EXPECT_THAT(first, HasSubstr(damage == "CutShort"   ? "truncated at byte "
+                               : damage == "NoDigest" ? "the digest of golden/Macro.Falls.mcap is missing"
+                                                      : "the digest doesn't describe golden/Macro.Falls.mcap"));
+  EXPECT_THAT(text, ContainsRegex("git checkout -- [^\n]*" + file + "[^\n]* brings back what was committed"));
+  EXPECT_LE(std::ranges::count(text, '\n'), 6) << text;
+  EXPECT_THAT(tested(), ContainsRegex("git checkout -- [^\n]*" + file));
+}
+
+INSTANTIATE_TEST_SUITE_P(By, DamagedGolden,
+                         ::testing::Values("NoDigest", "EditedDigest", "ConflictMarkers", "CutShort"),
+                         [](const auto& info) { return info.param; });
+
 TEST_F(Mistake, LimitsInDegreesAreWarnedOf) {
   std::string model = read_file(fixtures / "models/pendulum.urdf");
   model.replace(model.find("continuous"), 10, "revolute");

@@ -208,12 +208,14 @@ TEST_F(Step, WhatIsNoRecordingIsRefused) {
 /// `rehearse step` at a terminal of its own.
 class Terminal {
  public:
-  Terminal(const fs::path& folder, const fs::path& trace) {
+  Terminal(const fs::path& folder, const fs::path& trace, const std::string& controller = "") {
     winsize size{24, 120, 0, 0};
     child_ = forkpty(&terminal_, nullptr, nullptr, &size);
     if (child_ != 0) return;
     setenv("TERM", "vt100", 1);
-    if (chdir(folder.c_str()) == 0) execl(command.c_str(), command.c_str(), "step", trace.c_str(), nullptr);
+    const char* const last = controller.empty() ? nullptr : controller.c_str();
+    if (chdir(folder.c_str()) == 0)
+      execl(command.c_str(), command.c_str(), "step", trace.c_str(), last ? "--controller" : nullptr, last, nullptr);
     _exit(127);
   }
   ~Terminal() {
@@ -259,11 +261,29 @@ class Terminal {
   std::string screen_;
 };
 
+TEST_F(Step, OpensAtTheFirstDifference) {
+  EXPECT_EQ(rehearse({"record", pendulum(MISBEHAVING, "chance 7").string(), "-o", "sr1.mcap"}).status, 0);
+  EXPECT_THAT(last(""), StartsWith("tick 7, 0.007 s  differs: Pendulum/Swing/output/hinge/u: replayed "));
+  EXPECT_THAT(last("", "--from 0.005"), StartsWith("tick 5, 0.005 s")) << "where it is asked to begin";
+}
+
+TEST_F(Step, AtATerminalOpensWithThePlotOfTheFirstDifference) {
+  record_sr1();
+  Terminal terminal(folder(), "sr1.mcap", "SR1Minimum=" CHANGED_GAIN);
+  terminal.expect("sr1.mcap: 100 ticks; this is the first difference\r\ntick 0, 0 s  differs: SR1/SR1Minimum/output/");
+  terminal.expect("; ░ recorded, █ replayed, ▒ both");
+  terminal.expect("▲");
+  terminal.expect("keys: n next tick");
+  terminal.expect("(step) ");
+  terminal.type("\x04");
+  EXPECT_EQ(terminal.end(), 0);
+}
+
 TEST_F(Step, AtATerminalHasAPromptHistoryAndCompletion) {
   record_sr1();
   Terminal terminal(folder(), "sr1.mcap");
-  terminal.expect("sr1.mcap: 100 ticks; help lists the commands");
-  terminal.expect("(step) ");
+  terminal.expect("sr1.mcap: 100 ticks\r\ntick 0, 0 s\r\nkeys: n next tick, b back, ");
+  terminal.expect("h lists all commands, q quits\r\n(step) ");
   terminal.type("ne\t");  // the only command that begins so
   terminal.expect("xt ");
   terminal.type("\r");

@@ -65,6 +65,8 @@ TestResult result_of(const CheckOutcome& outcome) {
   result.state = state_of<TestResult::State>(outcome);
   result.verdict = outcome.verdict;
   result.report = outcome.report;
+  result.seconds = outcome.seconds;
+  result.project = fs::path(outcome.file).parent_path();
   if (result.report.empty()) return result;
   if (outcome.tick) result.tick = *outcome.tick;
   const auto scenario = read_scenario(outcome.file);
@@ -199,9 +201,8 @@ Exit exit_of(const CheckReport& report) {
 void tell_verdict(const Checked& checked, bool verbose) {
   const CheckReport& report = checked.report;
   const std::string closest = report.within() ? closest_of(report.expectations) : "";
-  const std::string sentence =
-      fmt::format("{}: {}{}{}", checked.scenario, report.verdict.text(), closest.empty() ? "" : "; ", closest);
-  const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
+  const std::string shown = in_lines(
+      fmt::format("{}: {}{}{}", checked.scenario, report.verdict.text(), closest.empty() ? "" : "; ", closest));
   fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
   if (const std::string bits = bits_sentence(report); !bits.empty()) fmt::print("  {}\n", bits);
   fmt::print("  {}; {:.1f} s\n", levels_text(report), checked.seconds);

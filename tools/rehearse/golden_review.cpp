@@ -75,8 +75,8 @@ std::string verdict_of(const GoldenStore& store, const Waiting& waiting) {
 void show(const GoldenStore& store, const Waiting& waiting, std::size_t place, std::size_t all) {
   fmt::print("{}/{}  {}\n", place, all, waiting.name);
   fmt::print("golden {}, run {}\n", store.trace_file(waiting.name).string(), store.pending_file(waiting.name).string());
-  for (const Diagnostic& problem : waiting.problems) fmt::print("{}\n", to_string(problem));
-  fmt::print("{}\n", verdict_of(store, waiting));
+  for (const Diagnostic& problem : waiting.problems) fmt::print("{}\n", in_lines(to_string(problem)));
+  fmt::print("{}\n", in_lines(verdict_of(store, waiting)));
   if (waiting.run && !waiting.golden && waiting.problems.empty())
     fmt::print("  {} ticks, {:.6g} s, {} channels\n", waiting.run->ticks(), waiting.run->duration(),
                waiting.run->channels().size());
@@ -99,7 +99,7 @@ void show_details(const GoldenStore& store, const Waiting& waiting) {
     alone.channels = {channel};
     for (const std::string& line : moved_lines(alone)) fmt::print("  {}\n", line);
   }
-  for (const std::string& remark : waiting.comparison->remarks) fmt::print("  note: {}\n", remark);
+  for (const std::string& remark : waiting.comparison->remarks) fmt::print("  note: {}\n", in_lines(remark, 8));
   fmt::print("{}", worst_plots(*waiting.golden, *waiting.run, *waiting.comparison, plots_in_detail));
   fmt::print("more: rehearse diff {} {}\n", store.trace_file(waiting.name).string(),
              store.pending_file(waiting.name).string());
@@ -107,7 +107,7 @@ void show_details(const GoldenStore& store, const Waiting& waiting) {
 
 /// Three short lines, for one of many runs.
 void show_briefly(const GoldenStore& store, const Waiting& waiting, std::size_t place, std::size_t all) {
-  fmt::print("{}/{}  {}\n{}\n", place, all, waiting.name, headline(verdict_of(store, waiting)));
+  fmt::print("{}/{}  {}\n{}\n", place, all, waiting.name, in_lines(headline(verdict_of(store, waiting))));
   fmt::print("all of it: rehearse golden review {}\n", waiting.name);
 }
 

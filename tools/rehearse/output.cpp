@@ -116,6 +116,10 @@ std::optional<std::size_t> kept_width;  // of the terminal; 0: there is none
 
 void keep_terminal() { kept_width = terminal_width(); }
 
+std::string in_lines(std::string_view sentence, std::size_t indent) {
+  return terminal_width() > 0 ? wrapped(sentence, terminal_width(), indent) : std::string(sentence);
+}
+
 std::size_t terminal_width() {
   if (kept_width) return *kept_width;
   if (!is_terminal(stdout)) return 0;

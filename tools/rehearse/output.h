@@ -51,6 +51,8 @@ std::string headline(std::string_view sentence);
 
 /// The number of columns of the terminal on stdout; 0 if stdout is not a terminal: then text isn't broken into lines.
 std::size_t terminal_width();
+/// A sentence in lines of the terminal's width, as wrapped() breaks it; as it is if stdout is no terminal.
+std::string in_lines(std::string_view sentence, std::size_t indent = 0);
 /// From now on, text is formed as for the present stdout, wherever that is redirected to.
 void keep_terminal();
 

@@ -35,8 +35,13 @@ Exit talk(SteppedTrace& trace, StepSession& session) {
   LineEditor editor("(step) ",
                     [&](std::string_view before, std::string_view word) { return session.candidates(before, word); });
   if (editor.is_interactive())
-    fmt::print("{}: {} ticks; help lists the commands\n", trace.file(), trace.last_tick() - trace.first_tick() + 1);
+    fmt::print("{}: {} ticks{}\n", trace.file(), trace.last_tick() - trace.first_tick() + 1,
+               trace.first_difference() == session.tick() ? "; this is the first difference" : "");
   fmt::print("{}\n", session.where());
+  if (editor.is_interactive()) {
+    session.plot_difference();
+    fmt::print("{}", StepSession::keys_text());
+  }
   bool understood = true;
   while (const auto line = editor.next()) {
     if (LineEditor::was_interrupted()) continue;
@@ -62,7 +67,8 @@ Exit run_step(StepSettings& settings) {
   const auto span = seconds_in(settings.span, settings.trace);
   if (!span) return refuse(span.errors());
   const double seconds = span->from.value_or(0.0);
-  const std::int64_t from = (*trace)->tick_at(seconds);
+  const std::int64_t first = (*trace)->first_difference().value_or((*trace)->tick_at(0.0));
+  const std::int64_t from = span->from ? (*trace)->tick_at(seconds) : first;
   if (from > (*trace)->last_tick())
     return refuse(error(fmt::format("{} ends before {} s: its last tick is {} ({:.10g} s)", settings.trace, seconds,
                                     (*trace)->last_tick(), (*trace)->time_at((*trace)->last_tick()))));
@@ -74,7 +80,8 @@ Exit run_step(StepSettings& settings) {
 std::function<Exit()> declare_step(CLI::App& options) {
   const auto settings = std::make_shared<StepSettings>();
   options.add_option("TRACE", settings->trace, "the recording")->required()->type_name("");
-  add_time(options, "--from", "begin at this time", [=](mcap::TimeBound from) { settings->span.from = from; });
+  add_time(options, "--from", "begin at this time (at the first difference, or at the beginning)",
+           [=](mcap::TimeBound from) { settings->span.from = from; });
   add_host_options(options, settings->stepping);
   return [settings] { return run_step(*settings); };
 }

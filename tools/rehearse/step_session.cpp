@@ -14,6 +14,7 @@
 #include "base/replaceable.h"
 #include "base/text.h"
 #include "base/write_hint.h"
+#include "core/kinds/channel_name.h"
 #include "output.h"
 #include "tick_print.h"
 
@@ -401,6 +402,20 @@ StepSession::Answer StepSession::plot(Words rest) {
   const bool has_replay = !replayed.times.empty();
   fmt::print("{}", rehearse::plot(has_replay ? recorded : Curve(), has_replay ? replayed : recorded, here));
   return Answer::done;
+}
+
+void StepSession::plot_difference() {
+  const std::vector<Divergence> differences = trace_.differences(tick_);
+  const auto shown = std::ranges::find_if(differences, [this](const Divergence& difference) {
+    return !difference.element.empty() && trace_.find_series(series_name(difference.channel, difference.element)).ok();
+  });
+  if (shown != differences.end()) plot(series_name(shown->channel, shown->element));
+}
+
+std::string StepSession::keys_text() {
+  return "keys: n next tick, b back, c on to where something happens, u EXPR to where it becomes true, g TICK\n"
+         "      p EXPR a value, plot SERIES, i all of this tick, d its differences, m its messages, gdb-hint\n"
+         "      Enter does the last command again, Tab completes, h lists all commands, q quits\n";
 }
 
 StepSession::Answer StepSession::frame(Words rest) {

@@ -27,6 +27,10 @@ class StepSession {
   /// The line that is printed after each move: the current tick, its events, the watched series.
   std::string where();
   void go_to(std::int64_t tick);
+  /// A plot of the first difference in this tick; prints nothing if there is none, or it isn't one of numbers.
+  void plot_difference();
+  /// Three lines: what the keys do.
+  static std::string keys_text();
   std::int64_t tick() const { return tick_; }
 
   /// Possible words after `before` in a line that begin with `word`: for completion.

@@ -8,12 +8,15 @@
 #include <optional>
 
 #include "axis.h"
+#include "base/text.h"
 #include "campaign_pictures.h"
 #include "viewing/report/html_text.h"
+#include "viewing/report/small_page.h"
 
 namespace rehearse {
 namespace {
 
+constexpr std::string_view failures_title = "Failures";
 constexpr std::size_t most_words = 20;  // of a parameter, in the table
 
 std::string percent(double share) { return fmt::format("{:.4g} %", 100.0 * share); }
@@ -61,7 +64,7 @@ ReportTable verdict_table(const CampaignFindings& findings) {
 }
 
 ReportTable failure_table(const CampaignFindings& findings) {
-  ReportTable table{"Failures", "", {"cases", "verdict", "failure", "for example", "first cases"}, {}};
+  ReportTable table{std::string(failures_title), "", {"cases", "verdict", "failure", "for example", "first cases"}, {}};
   for (const FailureKind& failure : findings.failures)
     table.rows.push_back({text_of(failure.count), std::string(to_string(failure.verdict)), failure.reason,
                           failure.sentence, case_list(failure.cases)});
@@ -263,34 +266,36 @@ std::string markdown_of(const CampaignFindings& findings) {
 }
 
 std::string page_of(const Campaign& campaign, const CaseTable& table, const CampaignFindings& findings) {
-  const std::string title = html_text(verdict(findings.summary));
-  std::string text = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>\n{1}"
-      "th {{ text-align: left; padding: .4rem .6rem; font-weight: 600 }}\n"
-      ".scroll {{ overflow-x: auto }} .scroll td {{ overflow-wrap: break-word }}\n"
-      ".pictures {{ display: flex; flex-wrap: wrap; gap: 1rem }}\n"
-      "figure {{ margin: 0; width: 286px }} figcaption {{ font-size: .85rem; overflow-wrap: anywhere }}\n"
-      ".frame {{ fill: none; stroke: #8888 }} .word, .axis {{ font-size: 11px; fill: currentColor }}\n"
-      "b.passed {{ color: light-dark(#1b7a37, #7ddc97) }} b.failed {{ color: light-dark(#b3261e, #ff8a80) }}\n"
-      "svg .passed {{ fill: light-dark(#1b7a37, #7ddc97); fill-opacity: .45 }}\n"
-      ".case {{ display: none; overflow-wrap: anywhere }} .case:target {{ display: block }}\n"
-      "svg .failed {{ fill: light-dark(#b3261e, #ff8a80); fill-opacity: .6 }}\n"
-      "</style></head><body>\n<h1>{0}</h1>\n<p>{2}</p>\n",
-      title, html_style, html_text(subtitle_of(findings)));
+  std::string sentence;
+  if (!findings.failures.empty()) {
+    const FailureKind& first = findings.failures[0];
+    sentence = fmt::format("{} {} in {}: {}", findings.failures.size() > 1 ? "Most often" : "Always",
+                           to_string(first.verdict), count_text(first.count, "case"), first.reason);
+  }
+  std::string content = fmt::format("<section class=\"panel\" aria-label=\"campaign\"><p>{}</p></section>\n",
+                                    html_text(subtitle_of(findings)));
   bool has_pictures = false;
   for (const ReportTable& part : tables_of(findings)) {
     if (part.title == "Parameters" && !has_pictures) {
-      text += pictures_of(campaign, table, findings);
+      content += pictures_of(campaign, table, findings);
       has_pictures = true;
     }
-    text += fmt::format("<h2>{}</h2>\n", html_text(part.title));
-    if (!part.remark.empty()) text += fmt::format("<p>{}</p>\n", html_text(part.remark));
-    text += "<div class=\"scroll\"><table>\n" + html_row(part.heading, "th");
-    for (const Row& row : part.rows) text += html_row(row, "td");
-    text += "</table></div>\n";
+    const std::string title = html_text(part.title);
+    content += fmt::format("<section class=\"panel\" aria-label=\"{0}\"{1}><h2>{0}</h2>\n", title,
+                           part.title == failures_title ? " data-finding" : "");
+    if (!part.remark.empty()) content += fmt::format("<p>{}</p>\n", html_text(part.remark));
+    content += fmt::format(
+        "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"table: {}\"><table>\n<thead>", title);
+    content += html_row(part.heading, "th") + "</thead><tbody>\n";
+    for (const Row& row : part.rows) content += html_row(row, "td");
+    content += "</tbody></table></div></section>\n";
   }
-  return text + "</body></html>\n";
+  return small_page({.magic = "<!doctype html>",
+                     .kind = "Campaign",
+                     .is_bad = !findings.failures.empty(),
+                     .title = verdict(findings.summary),
+                     .sentence = sentence,
+                     .content = content});
 }
 
 }  // namespace rehearse

@@ -40,20 +40,21 @@ std::string axis_text(double x, double y, const char* anchor, const std::string&
 
 std::string words_at(const AxisWords& words) {
   return axis_text(0.0, height + 13.0, "start", words.low) +
-         axis_text(0.5 * width, height + 13.0, "middle", words.name) +
+         axis_text(0.5 * width, height + 13.0, "middle", shortened(words.name, words.low.empty() ? 28 : 16)) +
          axis_text(width, height + 13.0, "end", words.high);
 }
 
 /// The frame, its content, and the words at the axis across and at the one up.
 std::string svg(const std::string& label, const std::string& content, const AxisWords& across, const AxisWords& up) {
+  const char* const role = content.find("<a href") == std::string::npos ? "img" : "group";  // an image has no links
   // the words of the axis up are drawn at an axis across, from bottom to top
   const std::string turned = axis_text(0.0, -4.0, "start", up.low) + axis_text(0.5 * height, -4.0, "middle", up.name) +
                              axis_text(height, -4.0, "end", up.high);
   return fmt::format(
-      "<svg viewBox=\"-18 -8 {:g} {:g}\" width=\"{:g}\" role=\"img\" aria-label=\"{}\"><rect class=\"frame\" "
+      "<svg viewBox=\"-18 -8 {:g} {:g}\" width=\"{:g}\" role=\"{}\" aria-label=\"{}\"><rect class=\"frame\" "
       "width=\"{:g}\" height=\"{:g}\"/>{}{}<g transform=\"translate(0 {:g}) rotate(-90)\">{}</g></svg>",
-      width + 26.0, height + 26.0, width + 26.0, html_text(label), width, height, content, words_at(across), height,
-      turned);
+      width + 26.0, height + 26.0, width + 26.0, role, html_text(label), width, height, content, words_at(across),
+      height, turned);
 }
 
 AxisWords words_of(const CaseTable& table, std::size_t parameter, const std::string& name) {
@@ -173,7 +174,8 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
   const std::vector<Variation>& variations = campaign.scenario().variations;
   const std::vector<std::size_t> order = by_effect(findings);
   std::string text =
-      "<h2>Passed and failed</h2>\n<p>Each distribution in shares of its own cases: <b class=\"passed\">passed</b>, "
+      "<section class=\"panel\" aria-label=\"Passed and failed\"><h2>Passed and failed</h2>\n<p>Each distribution in "
+      "shares of its own cases: <b class=\"passed\">passed</b>, "
       "<b class=\"failed\">failed</b>. A bar of a word is the share of its cases.</p>\n<div class=\"pictures\">\n";
   for (const std::size_t i : order)
     text += figure(table.words[i].empty()
@@ -190,7 +192,8 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
                fmt::format("margin of {}: {} to {}", expectation, short_number(axis.low()), short_number(axis.high())));
   }
   text +=
-      "</div>\n<h2>Pairs of parameters</h2>\n<p>A dot leads to its case, which is shown below.</p>\n"
+      "</div></section>\n<section class=\"panel\" aria-label=\"Pairs of parameters\"><h2>Pairs of "
+      "parameters</h2>\n<p>A dot leads to its case, which is shown below.</p>\n"
       "<div class=\"pictures\">\n";
   std::size_t drawn = 0;
   for (std::size_t b = 1; b < order.size(); ++b)
@@ -200,7 +203,8 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
                      fmt::format("across {}, {}; up {}, {}", variations[order[a]].name, ends_of(table, order[a]),
                                  variations[order[b]].name, ends_of(table, order[b])));
   text += "</div>\n";
-  return drawn > 0 ? text + case_articles(campaign, table) : text;
+  if (drawn > 0) text += case_articles(campaign, table);
+  return text + "</section>\n";
 }
 
 }  // namespace rehearse

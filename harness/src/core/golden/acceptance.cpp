@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "core/kinds/channel_name.h"
 #include "core/trace/run_facts.h"
+#include "moment.h"
 
 namespace rehearse {
 namespace {
@@ -66,9 +67,8 @@ std::string one_line(std::string text) {
   return text;
 }
 
-}  // namespace
-
-Result<std::string> date_of_today() {
+/// The present time, or that of SOURCE_DATE_EPOCH. [s since 1970]
+Result<std::time_t> present_time() {
   std::time_t now = std::time(nullptr);
   if (const char* stated = std::getenv("SOURCE_DATE_EPOCH"); stated && *stated) {
     constexpr std::int64_t year_10000 = 253402300800;
@@ -78,7 +78,15 @@ Result<std::string> date_of_today() {
       return error(fmt::format("SOURCE_DATE_EPOCH is '{}'", text), "it states seconds since 1970");
     now = static_cast<std::time_t>(*seconds);
   }
-  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  return now;
+}
+
+}  // namespace
+
+Result<std::string> date_of_today() { return fmt::format("{:%Y-%m-%d}", fmt::gmtime(REHEARSE_TRY(present_time()))); }
+
+Result<std::string> moment_of_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(REHEARSE_TRY(present_time())));
 }
 
 std::vector<std::string> moved_lines(const Comparison& comparison) {

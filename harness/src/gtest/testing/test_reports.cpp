@@ -1,7 +1,9 @@
 #include "test_reports.h"
 
+#include <gtest/gtest.h>
 #include <rehearse/report.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <string_view>
 
@@ -60,6 +62,15 @@ std::string address_of(const fs::path& file, std::optional<std::int64_t> tick = 
   return is_ci() ? file.lexically_proximate(fs::current_path()).string() : report_link(file, tick);
 }
 
+/// How long the running test has taken [s]; none: no test runs.
+std::optional<double> seconds_of_test() {
+  const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  if (!test) return std::nullopt;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  return static_cast<double>(milliseconds - test->result()->start_timestamp()) * 1e-3;
+}
+
 }  // namespace
 
 fs::path traces_folder() { return fs::path(test_folders().output) / "traces"; }
@@ -69,6 +80,8 @@ std::string keep_test_result(TestResult result, const Trace* trace, const fs::pa
   const fs::path folder = traces_folder();
   if (trace && result.state != TestResult::State::passed)
     result.picture = thumbnail_of(*trace, scenario, result.tick.value_or(0));
+  result.seconds = seconds_of_test();
+  result.project = test_folders().fixtures.empty() ? fs::current_path() : fs::path(test_folders().fixtures);
   const FolderLock alone(folder);
   keep_result(folder, result);
   const auto index = refresh_index(folder, wanted() == Wanted::always);

@@ -1,4 +1,4 @@
-// The page of a history for a browser: one file, without scripts. Internal.
+// The page of a history for a browser: one file. Internal.
 #pragma once
 
 #include <filesystem>

@@ -68,7 +68,7 @@ std::vector<const HistoryLine*> in_order(const std::vector<HistoryLine>& lines, 
 bool is_certain(const HistoryStamp& stamp) { return !stamp.commit.empty() && !stamp.changed; }
 
 void add_point(MarginTrend& trend, const HistoryLine& line, const HistoryMargin& margin) {
-  MarginPoint point{line.stamp, *margin.margin, margin.share, margin.tick};
+  MarginPoint point{line.stamp, *margin.margin, margin.share, margin.tick, margin.value};
   trend.unit = margin.unit;
   const auto same = std::ranges::find_if(trend.points, [&](const MarginPoint& earlier) {
     return is_certain(line.stamp) && is_certain(earlier.stamp) && earlier.stamp.commit == line.stamp.commit;

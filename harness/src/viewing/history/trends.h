@@ -24,6 +24,7 @@ struct MarginPoint {
   double margin = 0.0;
   std::optional<double> share;
   std::int64_t tick = 0;
+  double value = 0.0;  // of the expression, in the unit of the margin
 };
 
 struct MarginTrend {
@@ -67,6 +68,8 @@ Trends trends_of(const std::vector<HistoryLine>& lines, const TrendOptions& opti
 
 // Text.
 
+/// "0.4 rad": four digits.
+std::string with_unit(double number, const std::string& unit);
 /// "▁▄█": a block for each value, as high as it is between the smallest and the largest.
 std::string sparkline(const std::vector<double>& values);
 /// "the margin of 'stays upright' of walk shrank in 9 of the last 10 commits, by 21 %".

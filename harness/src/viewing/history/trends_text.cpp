@@ -21,10 +21,6 @@ std::string stamp_text(const HistoryStamp& stamp) {
   return stamp.date.empty() ? text : text + ", " + printable(stamp.date);
 }
 
-std::string with_unit(double number, const std::string& unit) {
-  return fmt::format("{:.4g}{}{}", number, unit.empty() ? "" : " ", unit);
-}
-
 std::string name_of(const MarginTrend& trend) {
   return fmt::format("the margin of {} of {}", in_quotes(trend.text, 200), printable(trend.scenario));
 }
@@ -80,6 +76,10 @@ Json json_of(const MarginTrend& trend) {
 }
 
 }  // namespace
+
+std::string with_unit(double number, const std::string& unit) {
+  return fmt::format("{:.4g}{}{}", number, unit.empty() ? "" : " ", unit);
+}
 
 std::string sparkline(const std::vector<double>& values) {
   constexpr std::string_view blocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};

@@ -1,4 +1,4 @@
-// Text and style of small pages that need no script. Internal.
+// Text in pages. Internal.
 #pragma once
 
 #include <string>
@@ -20,12 +20,5 @@ inline std::string html_text(std::string_view text) {
   }
   return safe;
 }
-
-/// The style that all such pages have: light or dark as the reader's browser, tables in the page's width.
-inline constexpr std::string_view html_style =
-    ":root { color-scheme: light dark; font: 15px/1.4 system-ui, sans-serif }\n"
-    "body { margin: 1.5rem auto; max-width: 76rem; padding: 0 1rem }\n"
-    "table { border-collapse: collapse; width: 100% }\n"
-    "td { padding: .4rem .6rem; vertical-align: top; border-top: 1px solid #8884; overflow-wrap: anywhere }\n";
 
 }  // namespace rehearse

@@ -20,9 +20,15 @@ struct TestResult {
   std::filesystem::path report;       // in the folder of the index; empty: none
   std::optional<std::int64_t> tick;   // of the first difference or violation
   std::vector<std::uint8_t> picture;  // PNG of the robot at that tick; empty: none
+  std::optional<double> seconds;      // wall time; none: unknown
+  std::filesystem::path project;      // a folder of the git repository whose commit was tested; empty: unknown
 };
 
-/// Keeps the result as FOLDER/TEST.KIND.report.json, instead of an earlier one. The caller must have locked the folder.
+/// The commit that is checked out in the git repository of a folder, read from its files; empty: there is none.
+std::string head_commit_of(const std::filesystem::path& folder);
+
+/// Keeps the result, with the present moment and the commit, as FOLDER/TEST.KIND.report.json. The earlier result
+/// becomes one of its previous runs, of which ten are kept. The caller must have locked the folder.
 void keep_result(const std::filesystem::path& folder, const TestResult& result);
 /// Removes a kept result.
 void drop_result(const std::filesystem::path& folder, const std::string& test, const std::string& kind);

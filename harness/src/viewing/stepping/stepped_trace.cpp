@@ -140,6 +140,12 @@ std::int64_t SteppedTrace::last_tick() const { return impl_->last_tick_; }
 std::optional<std::int64_t> SteppedTrace::last_replayed() const { return impl_->replayed_->last_tick(); }
 const std::optional<Diagnostic>& SteppedTrace::failure() const { return impl_->replayed_->failure(); }
 bool SteppedTrace::differs() const { return impl_->replayed_->differs(); }
+std::optional<std::int64_t> SteppedTrace::first_difference() const {
+  const std::uint64_t begin = impl_->ns(first_tick());
+  if (impl_->replayed_->differs_at(begin)) return first_tick();
+  const auto time = impl_->replayed_->difference_beside(begin, Direction::forwards);
+  return time ? std::optional(impl_->tick_of(*time)) : std::nullopt;
+}
 double SteppedTrace::time_at(std::int64_t tick) const { return time_of(tick, impl_->scenario_.time_step); }
 
 std::int64_t SteppedTrace::tick_at(double time) const {

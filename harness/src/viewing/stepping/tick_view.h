@@ -116,6 +116,8 @@ class SteppedTrace : public ExpressionSource {
   std::optional<std::int64_t> last_replayed() const;
   /// True if the controllers differ from the recording in some tick.
   bool differs() const;
+  /// The first tick in which they differ; none: they don't.
+  std::optional<std::int64_t> first_difference() const;
   /// The failure of a controller that ended the replay.
   const std::optional<Diagnostic>& failure() const;
   double time_at(std::int64_t tick) const override;
