@@ -240,7 +240,7 @@ std::string note_on_builds(const std::string& name, const fs::path& directory) {
           builds.push_back(std::move(file));
   const auto taken = std::ranges::find(builds, *chosen);
   const auto is_chosen = [&](const fs::path& folder) { return folder == chosen->parent_path(); };
-  const bool is_stated = std::ranges::any_of(stated_folders(), is_chosen);
+  const bool is_stated = std::ranges::any_of(folders_in("REHEARSE_CONTROLLER_PATH"), is_chosen);
   if (taken == builds.end() || builds.size() < 2 || is_stated) return {};
   builds.erase(taken);
   std::vector<std::string> others;
