@@ -130,7 +130,7 @@ const Exception allowed[] = {
     {"harness/src/gtest/testing/test_folders.cpp", "environment", "where a test's files lie"},
     {"harness/src/gtest/testing/test_history.cpp", "environment", "where the history of finished runs lies"},
     {"harness/src/gtest/testing/test_reports.cpp", "environment", "what is done with a finished run"},
-    {"harness/src/gtest/testing/test_reports.cpp", "clock", "how long a test took, for the index of tests"},
+    {"harness/src/gtest/testing/test_process.cpp", "clock", "how long a test took, for the index of tests"},
     {"harness/src/core/mcap/output.h", "thread", "compresses and writes; what it writes depends on the data alone"},
     {"harness/src/core/compare/compared_files.cpp", "thread",
      "reads one of the two recordings; what is read depends on the data alone"},

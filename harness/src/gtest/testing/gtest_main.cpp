@@ -16,6 +16,7 @@ class Tasks : public testing::EmptyTestEventListener {
   void OnTestStart(const testing::TestInfo& test) override {
     const std::string name = std::string("test ") + test.test_suite_name() + "." + test.name();
     rehearse::note_task(name.c_str(), --left_);
+    rehearse::internal::begin_test();
   }
   int left_ = 0;
 };

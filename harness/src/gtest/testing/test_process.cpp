@@ -3,10 +3,21 @@
 #include <rehearse/pin.h>
 #include <rehearse/renderer.h>
 
+#include <chrono>
+
 #include "core/guard/own_process.h"
 #include "core/guard/supervise.h"
 
 namespace rehearse::internal {
+
+static std::optional<std::chrono::steady_clock::time_point> test_began;
+
+void begin_test() { test_began = std::chrono::steady_clock::now(); }
+
+std::optional<double> seconds_of_test() {
+  if (!test_began) return std::nullopt;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - *test_began).count();
+}
 
 void begin_test_process(char** argv) {
   pin_process(argv);  // first, because it starts the program once more, before any computation

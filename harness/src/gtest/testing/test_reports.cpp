@@ -1,9 +1,7 @@
 #include "test_reports.h"
 
-#include <gtest/gtest.h>
 #include <rehearse/report.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <string_view>
 
@@ -11,6 +9,7 @@
 #include "core/host/source_age.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/simulation/recorded_view.h"
+#include "test_process.h"
 #include "test_recordings.h"
 #include "viewing/report/call_stack.h"
 
@@ -60,15 +59,6 @@ std::vector<std::uint8_t> thumbnail_of(const Trace& trace, const fs::path& scena
 /// The address for a message: a link, in CI a path.
 std::string address_of(const fs::path& file, std::optional<std::int64_t> tick = std::nullopt) {
   return is_ci() ? file.lexically_proximate(fs::current_path()).string() : report_link(file, tick);
-}
-
-/// How long the running test has taken [s]; none: no test runs.
-std::optional<double> seconds_of_test() {
-  const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  if (!test) return std::nullopt;
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  return static_cast<double>(milliseconds - test->result()->start_timestamp()) * 1e-3;
 }
 
 }  // namespace
