@@ -50,6 +50,9 @@ constexpr const char* factory_name = "createSimpleController";
 constexpr const char* abi_name = "rehearseCnoidAbi";
 constexpr const char* c_functions_name = "rehearse_controller";
 
+/// The folder of the controllers in the build, or the installation, of Rehearse.
+fs::path own_controllers() { return own_library_folder() / "rehearse" / "controllers"; }
+
 /// The folders of an environment variable, separated by colons.
 std::vector<fs::path> folders_in(const char* variable) {
   std::vector<fs::path> folders;
@@ -85,7 +88,7 @@ std::vector<fs::path> built_folders(const fs::path& project, const std::string& 
 /// of this installation. A program that runs from a build of the project uses controllers of that build alone. Other
 /// controllers may be made with different compilers, or with sanitizers.
 std::vector<fs::path> search_folders(const std::string& name, const fs::path& directory) {
-  const fs::path own = own_library_folder() / "rehearse" / "controllers";
+  const fs::path own = own_controllers();
   std::vector<fs::path> folders = folders_in("REHEARSE_CONTROLLER_PATH");
   for (const fs::path& inside : {directory / "", fs::current_path() / ""}) {
     const auto project = find_project(inside);
@@ -241,7 +244,8 @@ std::string note_on_builds(const std::string& name, const fs::path& directory) {
   const auto taken = std::ranges::find(builds, *chosen);
   const auto is_chosen = [&](const fs::path& folder) { return folder == chosen->parent_path(); };
   const bool is_stated = std::ranges::any_of(folders_in("REHEARSE_CONTROLLER_PATH"), is_chosen);
-  if (taken == builds.end() || builds.size() < 2 || is_stated) return {};
+  const bool is_of_own_build = is_chosen(own_controllers());  // others aren't searched
+  if (taken == builds.end() || builds.size() < 2 || is_stated || is_of_own_build) return {};
   builds.erase(taken);
   std::vector<std::string> others;
   for (const fs::path& file : builds) others.push_back(build_text(file));
