@@ -13,6 +13,7 @@ namespace rehearse::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A project in the layout of `rehearse new`; its controller is built, or copied to the place of a built one.
 class Project : public Command {
