@@ -1,4 +1,5 @@
-/* A robot's loop with a tap: loop NAME MODEL TICKS JOINTS [WORDS...]
+/* A robot's loop with a tap: loop NAME MODEL TICKS JOINTS [WORDS...]. JOINTS: the number of joints J0, J1, ..., or the
+ * names of the joints with commas between them.
  *   late            the IMU has new numbers in every third tick only
  *   variables       sets a variable in each tick
  *   images          names a picture in each tenth tick
@@ -81,6 +82,7 @@ int main(int argc, char** argv) {
   char picture[32];
   static char names_of_joints[most_joints][16];
   const char* names[most_joints];
+  char* name;
   double q_dq[2 * most_joints], imu[6] = {0}, u[most_joints];
   static Step self;
   struct timespec next;
@@ -98,6 +100,8 @@ int main(int argc, char** argv) {
     snprintf(names_of_joints[i], sizeof names_of_joints[i], "J%d", i);
     names[i] = names_of_joints[i];
   }
+  for (name = joints == 0 ? strtok(argv[4], ",") : NULL; name && joints < most_joints; name = strtok(NULL, ","))
+    names[joints++] = name;
   ended = map_counter(words.counter);
   tap = rehearse_tap_open(argv[1], &words.options);
   if (!tap) {
