@@ -38,7 +38,7 @@ Result<std::string> library_for(const Scenario& scenario, const Flight& flight) 
 }
 
 /// "equal bit for bit", "within its tolerance ...", "differs: ...".
-std::string controller_line(const Flight& flight, const ReplayReport& report, bool& holds) {
+std::string controller_line(const ReplayReport& report, bool& holds) {
   holds = true;
   if (report.failure) {
     holds = false;
@@ -52,8 +52,8 @@ std::string controller_line(const Flight& flight, const ReplayReport& report, bo
     return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
                        count_text(report.values, "commanded number"));
   if (report.is_allowed()) return headline(report, "the rules for commands allow the differences: ");
-  if (!flight.other.empty() && report.within())
-    return fmt::format("within its tolerance: {}; {}", headline(report), flight.other);
+  if (report.is_rounding())
+    return fmt::format("within its tolerance: {}; {}", headline(report), report.other_mathematics);
   holds = false;
   return headline(report, "differs: ");
 }
@@ -96,7 +96,7 @@ Exit check_with_flight(const Scenario& scenario, const std::string& file, const 
   }();
   if (!replayed) return refuse(replayed.errors());
   bool holds = false;
-  fmt::print("{} beside {}\ncontroller: {}\n  {}\n", scenario.name, file, controller_line(*flight, *replayed, holds),
+  fmt::print("{} beside {}\ncontroller: {}\n  {}\n", scenario.name, file, controller_line(*replayed, holds),
              mathematics_line(*flight));
   std::fflush(stdout);
   const auto recording = Trace::load_in_pieces(file, [](const Trace&) {});

@@ -19,9 +19,7 @@ std::optional<Flight> flight_in(const std::string& trace) {
   const RunFacts facts = RunFacts::of(**reader);
   const auto scenario = facts.is_of_flight ? scenario_of(**reader) : Result<Scenario>(error(""));
   if (!scenario || scenario->bodies[0].controllers.empty()) return std::nullopt;
-  Flight flight{scenario->bodies[0].controllers[0].name, {}, {}};
-  for (const mcap::Metadata& entry : (*reader)->metadata())
-    if (entry.name == records::flight) flight.facts = entry.values;
+  Flight flight{scenario->bodies[0].controllers[0].name, facts.flight.value_or(mcap::StringMap()), {}};
   flight.other = other_mathematics(flight.facts);
   return flight;
 }

@@ -18,9 +18,10 @@ struct GoldenAcceptSettings {
   std::vector<std::string> names;
   bool all = false;
   bool json = false;
-  Selection selection;  // of accept
-  TimeSpan span;        // likewise
-  Reexecution again;    // of accept
+  Selection selection;    // of accept
+  TimeSpan span;          // likewise
+  Reexecution again;      // of accept
+  std::string recording;  // of accept: the run, instead of the one that waits; empty: that one
 };
 
 Json json_of_accepted(const GoldenStore& store, const std::string& name, const Accepted& accepted) {
@@ -70,15 +71,25 @@ Reexecution again_for(const GoldenAcceptSettings& settings, const GoldenStore& s
   return again;
 }
 
+Result<Accepted> accept_waiting(const GoldenAcceptSettings& settings, GoldenStore& store, const std::string& name) {
+  const auto span = REHEARSE_TRY(seconds_in(settings.span, store.pending_file(name).string()));
+  Selection selection = settings.selection;
+  selection.from = span.from.value_or(0.0);
+  selection.until = span.until;
+  return store.accept_pending(name, selection, again_for(settings, store, name));
+}
+
 Exit accept(const GoldenAcceptSettings& settings) {
+  if (!settings.recording.empty() && settings.names.size() != 1)
+    return refuse(error("--recording becomes one golden: state its name alone",
+                        "rehearse golden accept Suite.Test "
+                        "--recording " +
+                            settings.recording));
   supervise_process();
   begin_own_processes();
   return decide_all(settings, "accepted", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
-    const auto span = REHEARSE_TRY(seconds_in(settings.span, store.pending_file(name).string()));
-    Selection selection = settings.selection;
-    selection.from = span.from.value_or(0.0);
-    selection.until = span.until;
-    const auto accepted = REHEARSE_TRY(store.accept_pending(name, selection, again_for(settings, store, name)));
+    const auto accepted = REHEARSE_TRY(settings.recording.empty() ? accept_waiting(settings, store, name)
+                                                                  : store.accept(name, settings.recording));
     if (!settings.json) tell_accepted(store, name, accepted);
     return json_of_accepted(store, name, accepted);
   });
@@ -124,6 +135,13 @@ std::function<Exit()> declare_golden_accept(CLI::App& options) {
       ->type_name("GLOB")
       ->allow_extra_args(false);
   add_time_span(options, settings->span, "only from this time on", "only up to this time");
+  options
+      .add_option(
+          "--recording", settings->recording,
+          "this recording becomes the golden, instead of a run that waits: a robot's flight, for EXPECT_REPLAYS")
+      ->type_name("FILE")
+      ->excludes(options.get_option("--all"), options.get_option("--channel"), options.get_option("--from"),
+                 options.get_option("--until"));
   add_host_options(options, settings->again.host);
   settings->again.run_plant = own_plant(run_plant);
   return [settings] { return accept(*settings); };

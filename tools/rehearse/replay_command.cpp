@@ -67,19 +67,14 @@ struct ReplaySettings {
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
 
-/// Other mathematics explains differences within tolerance.
-bool is_rounding_of(const std::optional<Flight>& flight, const ReplayReport& report) {
-  return flight && !flight->other.empty() && report.first && report.within();
-}
-
 /// The commands have the recorded bits, or their rules allow the differences, or other mathematics explains them.
-bool holds(const ReplaySettings& settings, const ReplayReport& report) {
-  return (report.equal() || report.is_allowed() || is_rounding_of(settings.flight, report)) && report.values > 0;
+bool holds(const ReplayReport& report) {
+  return (report.equal() || report.is_allowed() || report.is_rounding()) && report.values > 0;
 }
 
-std::string verdict(const ReplaySettings& settings, const ReplayReport& report) {
-  if (is_rounding_of(settings.flight, report))
-    return fmt::format("within its tolerance: {}; {}", headline(report), settings.flight->other);
+std::string verdict(const ReplayReport& report) {
+  if (report.is_rounding())
+    return fmt::format("within its tolerance: {}; {}", headline(report), report.other_mathematics);
   if (report.failure) return "failed: " + report.failure->message;
   std::string files;
   for (const std::string& change : report.changed_files) files += "; " + change;
@@ -92,9 +87,9 @@ std::string verdict(const ReplaySettings& settings, const ReplayReport& report) 
 }
 
 Json report_json(const ReplaySettings& settings, const ReplayReport& report, const std::vector<std::string>& notes) {
-  Json object{{"verdict", verdict(settings, report)},
+  Json object{{"verdict", verdict(report)},
               {"equal", report.equal() && report.values > 0},
-              {"within", holds(settings, report)},
+              {"within", holds(report)},
               {"explanation", report.explanation}};
   object.update(json_of(report));
   object.update({{"words",
@@ -115,7 +110,7 @@ void tell(const ReplaySettings& settings, const ReplayReport& report, double sec
              count_text(report.ticks, "tick"), seconds);
   if (settings.flight) fmt::print("{}\n", mathematics_line(*settings.flight));
   tell_control_times(report.control_times);
-  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(settings, report));
+  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
   if (report.words.first)
     fmt::print("their messages differ, too, which doesn't change the verdict: {}\n", to_string(*report.words.first));
   if (!report.first) return;
@@ -280,7 +275,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (report->equal() && report->values == 0) return Exit::bad_input;
-  return holds(settings, *report) ? Exit::done : Exit::differs;
+  return holds(*report) ? Exit::done : Exit::differs;
 }
 
 std::function<Exit()> declare_replay(CLI::App& options) {

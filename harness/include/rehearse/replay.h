@@ -97,6 +97,9 @@ struct ReplayReport : Differences {
   /// How the controllers' variables relate to the recorded ones, if commands differ: "the scale differs: speed is 20
   /// times the recorded one, in all 300 values". One sentence; empty: no relation was found.
   std::string explanation;
+  /// Of a robot's flight: why this process may compute other last bits than the robot's loop: "the loop's processor has
+  /// avx2 fma, and this one avx". Empty: it computes with the same functions, or the recording is no flight.
+  std::string other_mathematics;
   bool controller_refused = false;  // a controller that isn't optional refused to take part; the replay ended
   /// BODY/NAME of the controllers whose library differs from the recorded library in any byte.
   std::vector<std::string> other_controllers;
@@ -119,6 +122,8 @@ struct ReplayReport : Differences {
   bool within() const { return !beyond && !failure; }
   /// Not all commands have the recorded bits, and rules that are written for commands allow it.
   bool is_allowed() const { return first && commands_hold && within(); }
+  /// Not all commands have the recorded bits, and other mathematics explains it: all are within their tolerances.
+  bool is_rounding() const { return first && within() && !other_mathematics.empty(); }
 };
 
 /// One sentence: the series that leaves its tolerance first, "differs at" and a place, that commands change within

@@ -39,6 +39,7 @@ void each_member(Passed<ReplayReport> auto& value, auto& each) {
   each_difference(value, each);
   each(value.controllers), each(value.ticks), each(value.ticks_different), each(value.commands_hold);
   each(value.other_inputs), each(value.failure), each(value.words), each(value.explanation);
+  each(value.other_mathematics);
   each(value.controller_refused), each(value.other_controllers), each(value.changed_files);
   each(value.same_controllers), each(value.first_other_hash), each(value.repeats_the_run), each(value.remarks);
   each(value.control_times);

@@ -12,9 +12,11 @@
 #include "core/guard/float_mode.h"
 #include "core/host/controller_host.h"
 #include "core/mcap/whole_input.h"
+#include "core/recording/mathematics.h"
 #include "core/run/hosted_commands.h"
 #include "core/run/run.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
 #include "recorded_files.h"
 #include "recorded_inputs.h"
 #include "recording_source.h"
@@ -113,6 +115,7 @@ Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& s
   auto report = replay_into(recording, scenario, options, damage, *host);
   if (!report) return report;
   if (report->first) append_as_warnings(other_arithmetic_than(recording, scenario), report->remarks);
+  if (const auto flight = RunFacts::of(recording).flight) report->other_mathematics = other_mathematics(*flight);
   for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
   return report;
 }

@@ -132,6 +132,7 @@ RunFacts RunFacts::of(const std::vector<mcap::Metadata>& metadata) {
     if (record.name == records::state_rate && !run.state_rate) run.state_rate = StateRate::of(record.values);
     if (record.name == records::devices_read && !run.devices_read) run.devices_read = record.values;
     if (record.name == records::files && !run.files) run.files = record.values;
+    if (record.name == records::flight && !run.flight) run.flight = record.values;
   }
   return run;
 }

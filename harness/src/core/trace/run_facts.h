@@ -129,6 +129,7 @@ struct RunFacts {
   std::optional<StateRate> state_rate = {};          // none: the state of every tick is recorded
   std::optional<mcap::StringMap> devices_read = {};  // by BODY/DEVICE: the controllers that read it; none: not stated
   std::optional<mcap::StringMap> files = {};         // files that controllers read, and their hashes
+  std::optional<mcap::StringMap> flight = {};        // the tap, its loop and its machine
 
   /// A fact of the provenance; empty: not stated.
   std::string stated(const std::string& fact) const;

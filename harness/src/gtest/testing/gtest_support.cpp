@@ -111,7 +111,9 @@ std::string remarks_text(const ReplayReport& report) {
 /// Advice on the missing golden of a replay.
 std::string advice_on(const std::string& name, const GoldenStore& store) {
   const std::vector<std::string> near = near_names(name, store.names());
-  return near.empty() ? "the run of a test becomes one: EXPECT_MATCHES_GOLDEN"
+  return near.empty() ? fmt::format("the run of a test becomes one, EXPECT_MATCHES_GOLDEN, or a recording: rehearse "
+                                    "golden accept {} --recording FILE",
+                                    name)
                       : near_hint(near, store.names(), "goldens");
 }
 
@@ -132,6 +134,10 @@ TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name
   if (!report->first) return {true, ""};
   if (report->is_allowed()) {
     fmt::print("{}\n", headline(*report, "the rules for commands allow the differences: "));
+    return {true, ""};
+  }
+  if (report->is_rounding()) {
+    fmt::print("within its tolerance: {}; {}\n", headline(*report), report->other_mathematics);
     return {true, ""};
   }
   differing = *report;
