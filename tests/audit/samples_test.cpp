@@ -24,7 +24,7 @@ TEST_P(Samples, AreFunctionsOfTheirInputs) {
   const Outcome outcome = rehearse({"audit", scenario.string(), "--until", "0.4"});
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out,
-              ::testing::ContainsRegex("(of (its|their) inputs: |gave the same .* in )[0-9]+ replays of [0-9.]+ s"));
+              ::testing::ContainsRegex("(of (its|their) inputs(, its [0-9]+ threads take turns)?: |gave the same .* in )[0-9]+ replays of [0-9.]+ s"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Samples, ::testing::ValuesIn(scenarios_with_controllers()),

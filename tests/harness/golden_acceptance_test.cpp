@@ -9,7 +9,7 @@ namespace rehearse {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::Environment;
+using testing::EnvironmentVariable;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;

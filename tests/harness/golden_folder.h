@@ -4,35 +4,20 @@
 #include <gtest/gtest.h>
 #include <rehearse/golden.h>
 
-#include <cstdlib>
 #include <fstream>
 
 #include "small_traces.h"
+#include "support/environment_variable.h"
 #include "support/files.h"
 
 namespace rehearse::testing {
 
 namespace fs = std::filesystem;
 
+using test::EnvironmentVariable;
 using test::read_file;
 
 inline void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
-
-/// Sets an environment variable for the duration of a test.
-class Environment {
- public:
-  Environment(const char* name, const char* value) : name_(name) {
-    if (const char* was = std::getenv(name)) was_ = was;
-    setenv(name, value, 1);
-  }
-  ~Environment() { was_ ? setenv(name_, was_->c_str(), 1) : unsetenv(name_); }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> was_;
-};
 
 class GoldenFolder : public ::testing::Test {
  protected:
@@ -68,7 +53,7 @@ class GoldenFolder : public ::testing::Test {
   TemporaryFolder folder_;
   GoldenStore store_;
   std::string name_ = std::string("Golden.") + ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  const Environment day_{"SOURCE_DATE_EPOCH", "1763640000"};  // 2025-11-20
+  const EnvironmentVariable day_{"SOURCE_DATE_EPOCH", "1763640000"};  // 2025-11-20
 };
 
 }  // namespace rehearse::testing

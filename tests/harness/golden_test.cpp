@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
-using testing::Environment;
+using testing::EnvironmentVariable;
 using testing::GoldenFolder;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -22,18 +22,18 @@ using testing::SmallTrace;
 using testing::write;
 
 class Golden : public GoldenFolder {
-  const Environment ci_{"CI", ""};  // messages advise differently there
+  const EnvironmentVariable ci_{"CI", ""};  // messages advise differently there
 };
 
 TEST(GoldenMode, IsCheckUnlessSaidOtherwise) {
-  const Environment ci("CI", "");
-  const Environment mode("REHEARSE_GOLDEN", "");
+  const EnvironmentVariable ci("CI", "");
+  const EnvironmentVariable mode("REHEARSE_GOLDEN", "");
   EXPECT_EQ(*golden_mode(), GoldenMode::check);
 }
 
 TEST(GoldenMode, KnowsThreeWordsAndNamesThemToWhoeverWritesAnother) {
-  const Environment ci("CI", "");
-  const Environment mode("REHEARSE_GOLDEN", "update");
+  const EnvironmentVariable ci("CI", "");
+  const EnvironmentVariable mode("REHEARSE_GOLDEN", "update");
   ASSERT_FALSE(golden_mode());
   EXPECT_EQ(to_string(golden_mode().errors()[0]),
             "error: REHEARSE_GOLDEN is 'update' (it may be check, new or accept)");
@@ -44,8 +44,8 @@ TEST(GoldenMode, KnowsThreeWordsAndNamesThemToWhoeverWritesAnother) {
 }
 
 TEST(GoldenMode, IsNothingButCheckUnderCi) {
-  const Environment ci("CI", "true");
-  const Environment mode("REHEARSE_GOLDEN", "accept");
+  const EnvironmentVariable ci("CI", "true");
+  const EnvironmentVariable mode("REHEARSE_GOLDEN", "accept");
   ASSERT_FALSE(golden_mode());
   EXPECT_THAT(golden_mode().errors()[0].message, HasSubstr("CI"));
   setenv("REHEARSE_GOLDEN", "new", 1);
@@ -275,7 +275,7 @@ TEST_F(Golden, DigestChangesWithASinglePixel) {
 }
 
 TEST_F(Golden, FolderIsTheNearestOneAboveTheScenario) {
-  const Environment unset("REHEARSE_GOLDEN_DIR", "");
+  const EnvironmentVariable unset("REHEARSE_GOLDEN_DIR", "");
   fs::create_directories(folder_ / "a/b");
   const auto found = find_golden_folder(folder_ / "a/b/run.yaml");
   ASSERT_TRUE(found);

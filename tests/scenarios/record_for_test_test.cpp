@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "small_traces.h"
+#include "support/environment_variable.h"
 
 namespace rehearse {
 namespace {
@@ -54,13 +55,10 @@ TEST_F(TestSupport, FailsAMissingGoldenAndKeepsTheRun) {
 
 TEST_F(TestSupport, WritesAGoldenOnDemandAndThenFindsARunEqualToIt) {
   const Trace trace = record("scenarios/drop_box.yaml");
-  const char* ci = std::getenv("CI");
-  const std::string was = ci ? ci : "";
-  setenv("CI", "", 1);
-  setenv("REHEARSE_GOLDEN", "new", 1);
-  const auto written = internal::match_golden(trace, "Box.FallsAgain");
-  unsetenv("REHEARSE_GOLDEN");
-  setenv("CI", was.c_str(), 1);
+  const auto written = [&trace] {
+    const test::EnvironmentVariable no_ci("CI", nullptr), mode("REHEARSE_GOLDEN", "new");
+    return internal::match_golden(trace, "Box.FallsAgain");
+  }();
   EXPECT_TRUE(written.passed) << written.message;
   EXPECT_TRUE(internal::match_golden(record("scenarios/drop_box.yaml"), "Box.FallsAgain").passed);
 }

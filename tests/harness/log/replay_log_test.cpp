@@ -10,15 +10,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
-#include <optional>
 #include <vector>
 
 #include "../../jpeg_file.h"
 #include "logs/robot_log/log_replay.h"
 #include "picture/picture.h"
 #include "robot_log.h"
+#include "support/environment_variable.h"
 #include "support/files.h"
 #include "support/temporary_folder.h"
 
@@ -382,37 +381,21 @@ TEST_F(LogReplay, SaysThatALibraryIsNotThere) {
               ::testing::StartsWith("error: controller library 'NobodysController' not found (looked for "));
 }
 
-/// Sets an environment variable during its lifetime; null: removes it.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    value ? setenv(name, value, 1) : unsetenv(name);
-  }
-  ~Variable() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
-
 TEST_F(LogReplay, BecomesAGoldenOfATest) {
-  const Variable folder("REHEARSE_GOLDEN_DIR", path("golden").c_str()),
+  const test::EnvironmentVariable folder("REHEARSE_GOLDEN_DIR", path("golden").c_str()),
       pending("REHEARSE_PENDING", path("pending").c_str());
-  const Variable no_ci("CI", nullptr);
+  const test::EnvironmentVariable no_ci("CI", nullptr);
   fs::create_directory(path("golden"));
   log("Tank.IsDrivenByJoystick.mcap", tank());
   map(tank_map);
   options_.until = mcap::TimeBound{1'000'000'000};
   replayed("TankController", "tank.urdf");
   {
-    const Variable mode("REHEARSE_GOLDEN", "new");
+    const test::EnvironmentVariable mode("REHEARSE_GOLDEN", "new");
     const internal::TestVerdict written = internal::match_golden(run(), "Tank.AsInTheLog");
     EXPECT_TRUE(written.passed) << written.message;
   }
-  const Variable mode("REHEARSE_GOLDEN", "check");
+  const test::EnvironmentVariable mode("REHEARSE_GOLDEN", "check");
   const internal::TestVerdict repeated = internal::replay_golden("Tank.AsInTheLog", "Tank.Repeats");
   EXPECT_TRUE(repeated.passed) << repeated.message;
   replayed("TankController", "tank.urdf");

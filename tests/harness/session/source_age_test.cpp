@@ -136,6 +136,24 @@ TEST_F(SourceAge, OfASourceWithEqualContentIsNotTold) {
   EXPECT_EQ(note(), "") << "the edit was undone";
 }
 
+TEST_F(SourceAge, OfASourceWithARelativeNameIsTold) {
+  const std::string line = "cd " + test::quoted((folder_ / "build").string()) + " && " + test::quoted(CXX_COMPILER) +
+                           " -shared -fPIC -g -o Walk.so ../walk.cpp";
+  ASSERT_EQ(std::system(line.c_str()), 0) << line;
+  set_age(library(), 2);
+  write("walk.cpp", "int walk(int) { return 7; }\n");
+  EXPECT_THAT(note(), HasSubstr("gait.h and 1 more are newer than Walk.so"));
+}
+
+TEST_F(SourceAge, IsFoundOutAnewForAnotherProject) {
+  build();
+  fs::create_directories(folder_ / "build/golden");
+  EXPECT_EQ(note(), "") << "the sources are outside the project";
+  fs::rename(folder_ / "build/golden", folder_ / "golden");
+  write("walk.cpp", "int walk(int) { return 7; }\n");
+  EXPECT_THAT(note(), HasSubstr("walk.cpp is newer than Walk.so"));
+}
+
 TEST_F(SourceAge, OfASourceWhoseContentWasNeverSeenIsTold) {
   build();
   set_age(folder_ / "walk.cpp", 0);

@@ -256,9 +256,9 @@ def _first_difference(old: Walk, new: Walk, known: Dict[str, Any]) -> Optional[_
             found = differing(i, j, True)
             if found and _calls_more(old, behind[0], i) != _calls_more(new, behind[1], j):
                 return _Difference(*behind, {})
-            if old.lines[i].result != new.lines[j].result and old.lines[i - 1].function == new.lines[j - 1].function:
-                result = {"its result": (old.lines[i].result, new.lines[j].result)}
-                return _Difference(_behind_return(old, i), _behind_return(new, j), result)
+            results = old.lines[i].result, new.lines[j].result  # of the functions in the lines before
+            if "" not in results and results[0] != results[1] and _returned_to(old, i) == _returned_to(new, j):
+                return _Difference(_behind_return(old, i), _behind_return(new, j), {"its result": results})
             if found:
                 return _Difference(i, j, found)
             i, j, are_paired = i + 1, j + 1, True
@@ -283,6 +283,11 @@ def _calls_more(walk: Walk, begin: int, end: int) -> bool:
     """True if a function, which the line before `begin` calls, has lines up to `end`."""
     caller = walk.lines[end].call
     return any(step.call > caller for step in walk.lines[begin:end])
+
+
+def _returned_to(walk: Walk, index: int) -> str:
+    """The function that has returned to that line."""
+    return walk.lines[index - 1].function
 
 
 def _behind_return(walk: Walk, index: int) -> int:

@@ -1,5 +1,7 @@
 #include "libdw.h"
 
+#include <dwarf.h>
+
 #include "reader_process.h"
 
 namespace rehearse {
@@ -18,6 +20,12 @@ std::optional<Libdw> Libdw::load() {
       find("elf_end", dw.end_elf) && find("elf_nextscn", dw.next_section) && find("gelf_getshdr", dw.header_of) &&
       find("elf_getdata", dw.data_of) && find("gelf_getdyn", dw.dynamic_in) && find("elf_strptr", dw.text_at);
   return found ? std::optional(dw) : std::nullopt;
+}
+
+std::filesystem::path Libdw::folder_of(Dwarf_Die& unit) const {
+  Dwarf_Attribute attribute;
+  const char* const folder = text_in(attribute_of(&unit, DW_AT_comp_dir, &attribute));
+  return folder ? folder : "";
 }
 
 Dwarf_Word Libdw::number(Dwarf_Die& entry, unsigned name) const {

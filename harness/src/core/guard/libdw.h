@@ -4,6 +4,7 @@
 #include <elfutils/libdw.h>
 #include <gelf.h>
 
+#include <filesystem>
 #include <optional>
 
 namespace rehearse {
@@ -36,6 +37,9 @@ struct Libdw {
 
   /// None: it isn't installed.
   static std::optional<Libdw> load();
+
+  /// The working folder of the compiler, to which relative names of the unit's files refer; empty: it isn't stated.
+  std::filesystem::path folder_of(Dwarf_Die& unit) const;
 
   /// The number of an attribute; 0: it has none.
   Dwarf_Word number(Dwarf_Die& entry, unsigned name) const;

@@ -44,9 +44,7 @@ SourceLine line_in(const Libdw& dw, Dwarf_Die& unit, Dwarf_Addr address) {
     file = caller;
     found.line = static_cast<int>(dw.number(scopes[i], DW_AT_call_line));
   }
-  Dwarf_Attribute attribute;
-  const char* const folder = dw.text_in(dw.attribute_of(&unit, DW_AT_comp_dir, &attribute));
-  found.file = ((folder ? fs::path(folder) : fs::path()) / file).lexically_normal();
+  found.file = (dw.folder_of(unit) / file).lexically_normal();
   return found;
 }
 

@@ -113,7 +113,8 @@ std::string identity_text(const fs::path& file) {
 /// changed.
 BuiltSources built_sources(const fs::path& library, fs::file_time_type built, const fs::path& project) {
   const fs::path build = build_of(library);
-  const fs::path file = build / "rehearse-sources" / hash_text(hash_bytes(library.c_str(), library.native().size()));
+  const std::string key = library.string() + '\n' + project.string();  // sources outside the project aren't in the file
+  const fs::path file = build / "rehearse-sources" / hash_text(hash_bytes(key.data(), key.size()));
   BuiltSources before, now;
   if (!build.empty()) before = BuiltSources::read(file);
   now.identity = identity_text(library);

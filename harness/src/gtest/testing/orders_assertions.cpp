@@ -43,16 +43,15 @@ Result<Json> audit_orders(const fs::path& golden, int orders, const fs::path& or
   return report;
 }
 
+/// `order_file`: exists only if an order matters.
 TestVerdict judge(const Json& report, const fs::path& golden, const fs::path& order_file) {
-  const std::string verdict = report.at("verdict");
-  const Json& tried = report.at("orders");
-  if (!report.at("deterministic"))
-    return {false, tried.at("exchanges").empty() && !fs::exists(order_file)
-                       ? verdict
-                       : fmt::format("{}\n  it is repeated by: rehearse replay {} --order {}", verdict, golden.string(),
-                                     order_file.string())};
-  if (tried.at("tried") == 0) return {false, "nothing was compared: " + verdict};
-  return {true, verdict};
+  std::string verdict = report.at("verdict");
+  const bool is_same = report.at("deterministic"), is_compared = report.at("orders").at("tried") > 0;
+  if (fs::exists(order_file))
+    verdict +=
+        fmt::format("\n  it is repeated by: rehearse replay {} --order {}", golden.string(), order_file.string());
+  if (is_same && !is_compared) verdict = "nothing was compared: " + verdict;
+  return {is_same && is_compared, verdict};
 }
 
 }  // namespace
