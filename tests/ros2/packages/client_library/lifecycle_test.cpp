@@ -1,4 +1,5 @@
 // Nodes with states.
+#include <lifecycle_msgs/srv/change_state.hpp>
 #include <rclcpp_lifecycle/lifecycle_node.hpp>
 
 #include "client_library.h"
@@ -54,6 +55,18 @@ TEST_F(ClientLibrary, StatesAreChangedByAService) {
   executor->add_node(managed->get_node_base_interface());
   EXPECT_EQ(node->get_service_names_and_types().at("/managed/change_state"),
             std::vector<std::string>{"lifecycle_msgs/srv/ChangeState"});
+  const auto client = node->create_client<lifecycle_msgs::srv::ChangeState>("managed/change_state");
+  auto request = std::make_shared<lifecycle_msgs::srv::ChangeState::Request>();
+  request->transition.id = Transition::TRANSITION_CONFIGURE;
+  auto configured = client->async_send_request(request);
+  ASSERT_EQ(executor->spin_until_future_complete(configured), rclcpp::FutureReturnCode::SUCCESS);
+  EXPECT_TRUE(configured.get()->success);
+  EXPECT_EQ(managed->get_current_state().id(), State::PRIMARY_STATE_INACTIVE);
+  request->transition.label = "activate";  // a label counts more than a number
+  auto activated = client->async_send_request(request);
+  ASSERT_EQ(executor->spin_until_future_complete(activated), rclcpp::FutureReturnCode::SUCCESS);
+  EXPECT_TRUE(activated.get()->success);
+  EXPECT_EQ(managed->get_current_state().id(), State::PRIMARY_STATE_ACTIVE);
 }
 
 }  // namespace
