@@ -111,6 +111,8 @@ begin "mistakes are named"
 mistake 3 "options, line 1: 'topicz' isn't known here" 's/  topics:/  topicz:/'
 mistake 3 "the robot has no joint 'knee'" 's/\[hinge\]/[knee]/'
 mistake 3 "'a' is no value of this field" 's/{data: 0.2}/{data: a}/'
+mistake 3 "'request' doesn't belong to 'publish'" 's/message: {data: 0.2}/request: {data: 0.2}/'
+mistake 3 "options, line 7: parameters are a map of names and values" 's/{stiffness: 50.0}/50.0/'
 mistake 2 "it has test_nodes::Filter" 's/test_nodes::Hold/test_nodes::Hole/'
 mistake 2 "not found" 's/libtest_nodes.so:test_nodes::Hold/libnone.so:test_nodes::Hold/'
 mistake 3 "no more" 's/test_nodes::Filter/test_nodes::Thrower/'

@@ -67,6 +67,13 @@ TEST_F(Actions, AGoalSucceedsWithFeedback) {
 
 TEST_F(Actions, ARejectedGoalHasNoHandle) { EXPECT_EQ(send("no"), nullptr); }
 
+TEST_F(Actions, AGoalToNobodyIsNotAnswered) {
+  const auto nobody = rclcpp_action::create_client<Lookup>(node, "nobody");
+  EXPECT_FALSE(nobody->wait_for_action_server(1ms));
+  const auto future = nobody->async_send_goal(Lookup::Goal());
+  EXPECT_EQ(executor->spin_until_future_complete(future, 1ms), rclcpp::FutureReturnCode::TIMEOUT);
+}
+
 TEST_F(Actions, AGoalIsCancelled) {
   const auto goal = send("base");
   const auto answer = client->async_cancel_goal(goal);

@@ -1,6 +1,7 @@
 // Services and clients.
 #include <std_srvs/srv/set_bool.hpp>
 #include <std_srvs/srv/trigger.hpp>
+#include <thread>
 
 #include "client_library.h"
 
@@ -38,6 +39,18 @@ TEST_F(ClientLibrary, AServiceMayAnswerLater) {
   service->send_response(*asked, response);
   EXPECT_EQ(executor->spin_until_future_complete(future), rclcpp::FutureReturnCode::SUCCESS);
   EXPECT_TRUE(future.get()->success);
+}
+
+TEST_F(ClientLibrary, AServiceThatComesLaterIsWaitedFor) {
+  const auto client = node->create_client<std_srvs::srv::Trigger>("s");
+  rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr service;
+  std::thread later([&] {
+    rclcpp::sleep_for(20ms);
+    service = node->create_service<std_srvs::srv::Trigger>(
+        "s", [](std_srvs::srv::Trigger::Request::SharedPtr, std_srvs::srv::Trigger::Response::SharedPtr) {});
+  });
+  EXPECT_TRUE(client->wait_for_service(std::chrono::nanoseconds::max()));
+  later.join();
 }
 
 TEST_F(ClientLibrary, ARequestToNobodyTimesOut) {

@@ -28,6 +28,17 @@ TEST_F(ClientLibrary, SumsThatDoNotFitThrow) {
   EXPECT_EQ(message.nanosec, 500'000'000u);
 }
 
+TEST_F(ClientLibrary, ARateThatIsNotPositiveIsRefused) {
+  for (const double frequency : {0.0, -1.0}) {
+    try {
+      const rclcpp::Rate rate(frequency);
+      ADD_FAILURE() << frequency;
+    } catch (const std::invalid_argument& problem) {
+      EXPECT_STREQ(problem.what(), "rate must be greater than 0");
+    }
+  }
+}
+
 TEST_F(ClientLibrary, ALateRateDoesNotSleep) {
   rclcpp::Rate rate(rclcpp::Duration(10, 0), node->get_clock());
   go_to(15.0);
