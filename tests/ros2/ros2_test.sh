@@ -13,7 +13,7 @@ fi
 export PATH=$build/bin:/usr/bin:/bin CMAKE_GENERATOR=Ninja
 
 failed=0
-# says NAME: the test NAME; then expect and others
+# begin NAME: what the next commands test.
 test_name=
 begin() { test_name=$1; }
 fail() {
@@ -99,7 +99,8 @@ expect 0 "Pendulum/Hold and Pendulum/Filter are functions of their inputs" rehea
 
 begin "a lifecycle node acts while it is active"
 expect 0 "" rehearse record "$scenarios/managed.yaml" -o managed.mcap
-expect 0 "/Pendulum/Managed/variable/commands%2Feffort%2F0" rehearse info managed.mcap
+# from 0.2 s to 0.4 s: 200 ticks
+expect 0 " 200 " sh -c "rehearse info managed.mcap | grep /Pendulum/Managed/variable/commands%2Feffort%2F0"
 
 # mistake STATUS TEXT PATTERN: the first scenario, changed by the pattern of sed, ends with this status and text.
 mistake() {
@@ -110,6 +111,8 @@ begin "mistakes are named"
 mistake 3 "options, line 1: 'topicz' isn't known here" 's/  topics:/  topicz:/'
 mistake 3 "the robot has no joint 'knee'" 's/\[hinge\]/[knee]/'
 mistake 3 "'a' is no value of this field" 's/{data: 0.2}/{data: a}/'
+mistake 3 "'request' doesn't belong to 'publish'" 's/message: {data: 0.2}/request: {data: 0.2}/'
+mistake 3 "options, line 7: parameters are a map of names and values" 's/{stiffness: 50.0}/50.0/'
 mistake 2 "it has test_nodes::Filter" 's/test_nodes::Hold/test_nodes::Hole/'
 mistake 2 "not found" 's/libtest_nodes.so:test_nodes::Hold/libnone.so:test_nodes::Hold/'
 mistake 3 "no more" 's/test_nodes::Filter/test_nodes::Thrower/'

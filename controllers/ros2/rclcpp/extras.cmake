@@ -1,2 +1,2 @@
-# A guest is linked with this library even if it calls nothing of it.
+# The other packages list public names of their headers, too.
 include("${rclcpp_DIR}/public_names.cmake")

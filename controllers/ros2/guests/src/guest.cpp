@@ -246,12 +246,7 @@ class Guest {
   void set_parameters(const GuestEvent& event) {
     const auto response = call(name_ + "/set_parameters_atomically", [&](void* request, const auto&) {
       auto& parameters = static_cast<rcl_interfaces::srv::SetParametersAtomically::Request*>(request)->parameters;
-      GuestOptions flat = read_guest_options("parameters: " + [&] {
-        YAML::Emitter text;
-        text << YAML::Flow << event.content;
-        return std::string(text.c_str());
-      }());
-      for (const auto& [parameter, value] : flat.parameters)
+      for (const auto& [parameter, value] : event.parameters)
         parameters.push_back(rclcpp::Parameter(parameter, rehearse_ros2::value_of_text(value)).to_parameter_msg());
     });
     const auto& result =

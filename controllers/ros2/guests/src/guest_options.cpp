@@ -18,7 +18,7 @@ constexpr PartRow parts[] = {{"joint_states", TopicBinding::Part::joint_states},
 struct DeedRow {
   const char* name;
   GuestEvent::Deed deed;
-  const char* content;  // the key of its content; null: the value itself is the content or the target
+  const char* content;  // the key of its content; null: it has none
 };
 constexpr DeedRow deeds[] = {{"publish", GuestEvent::Deed::publish, "message"},
                              {"call", GuestEvent::Deed::call, "request"},
@@ -67,17 +67,25 @@ TopicBinding read_topic(const YAML::Node& topic, const YAML::Node& value) {
   return binding;
 }
 
-void add_parameters(const YAML::Node& map, const std::string& prefix, GuestOptions& options) {
+void add_parameters(const YAML::Node& map, const std::string& prefix, ParameterTexts& parameters) {
+  if (!map.IsMap()) throw mistake(map, "parameters are a map of names and values");
   for (const auto& entry : map) {
     const std::string name = prefix + entry.first.Scalar();
     if (entry.second.IsMap()) {
-      add_parameters(entry.second, name + ".", options);
+      add_parameters(entry.second, name + ".", parameters);
       continue;
     }
     YAML::Emitter text;
     text << YAML::Flow << entry.second;
-    options.parameters.emplace_back(name, text.c_str());
+    parameters.emplace_back(name, text.c_str());
   }
+}
+
+constexpr const char* one_deed = "an event is one of publish, call, set_parameters, transition";
+
+bool is_content(const std::string& key) {
+  return std::any_of(std::begin(deeds), std::end(deeds),
+                     [&](const DeedRow& row) { return row.content != nullptr && key == row.content; });
 }
 
 GuestEvent read_event(const YAML::Node& node) {
@@ -92,17 +100,23 @@ GuestEvent read_event(const YAML::Node& node) {
   const DeedRow* deed = nullptr;
   for (const auto& entry : node) {
     const std::string name = entry.first.Scalar();
-    if (name == "at" || name == "message" || name == "request") continue;
-    if (deed != nullptr) throw mistake(entry.first, "an event is one of publish, call, set_parameters, transition");
+    if (name == "at" || is_content(name)) continue;
+    if (deed != nullptr) throw mistake(entry.first, one_deed);
     deed = &row_of(deeds, entry.first, name);
     event.deed = deed->deed;
     if (deed->deed == GuestEvent::Deed::set_parameters)
-      event.content = entry.second;
+      add_parameters(entry.second, "", event.parameters);
     else
       event.target = text_of(entry.second, "'" + name + "'");
   }
-  if (deed == nullptr) throw mistake(node, "an event is one of publish, call, set_parameters, transition");
-  if (deed->content != nullptr && node[deed->content]) event.content = node[deed->content];
+  if (deed == nullptr) throw mistake(node, one_deed);
+  for (const auto& entry : node) {
+    const std::string name = entry.first.Scalar();
+    if (!is_content(name)) continue;
+    if (deed->content == nullptr || name != deed->content)
+      throw mistake(entry.first, "'" + name + "' doesn't belong to '" + deed->name + "'");
+    event.content = entry.second;
+  }
   return event;
 }
 
@@ -125,8 +139,7 @@ GuestOptions read_guest_options(const std::string& text) {
     if (key == "arguments") {
       options.arguments = texts_of(value, "'arguments'");
     } else if (key == "parameters") {
-      if (!value.IsMap()) throw mistake(value, "'parameters' is a map of names and values");
-      add_parameters(value, "", options);
+      add_parameters(value, "", options.parameters);
     } else if (key == "topics") {
       if (!value.IsMap()) throw mistake(value, "'topics' is a map of topics and parts of the robot");
       for (const auto& topic : value) options.topics.push_back(read_topic(topic.first, topic.second));

@@ -5,6 +5,7 @@
 
 #include <list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "message_values.h"
@@ -20,18 +21,22 @@ struct TopicBinding {
   YAML::Node place;
 };
 
+/// Names and values, as texts of YAML.
+using ParameterTexts = std::vector<std::pair<std::string, std::string>>;
+
 struct GuestEvent {
   enum class Deed { publish, call, set_parameters, transition };
   double at = 0.0;  // [s]
   Deed deed = Deed::publish;
   std::string target;  // the topic, the service or the transition
-  YAML::Node content;  // the fields of the message or the request, or the parameters; null: none
+  YAML::Node content;  // the fields of the message or the request; null: none
+  ParameterTexts parameters;
   YAML::Node place;
 };
 
 struct GuestOptions {
-  std::vector<std::string> arguments;                           // of the node, as on its command line
-  std::vector<std::pair<std::string, std::string>> parameters;  // name and value, as texts of YAML
+  std::vector<std::string> arguments;  // of the node, as on its command line
+  ParameterTexts parameters;
   std::vector<TopicBinding> topics;
   /// By time. A list, because its sort() assigns no nodes of YAML: an assignment changes what other nodes refer to.
   std::list<GuestEvent> events;

@@ -8,12 +8,10 @@ namespace rehearse::ros2 {
 namespace {
 
 namespace introspection = rosidl_typesupport_introspection_cpp;
-using introspection::MessageMember;
+using rehearse_ros2::members_in;
+using rehearse_ros2::MessageMember;
 using rehearse_ros2::MessageMembers;
-
-const MessageMembers& members_in(const MessageMember& member) {
-  return *static_cast<const MessageMembers*>(member.members_->data);
-}
+using rehearse_ros2::place_of;
 
 /// Calls `use` with a value of the type of the number; false: it is no number.
 template <class Use>
@@ -66,7 +64,7 @@ void set_value(void* place, const MessageMember& member, const YAML::Node& node)
 }
 
 void set_member(void* message, const MessageMember& member, const YAML::Node& node) {
-  void* const place = static_cast<char*>(message) + member.offset_;
+  void* const place = place_of(message, member);
   if (!member.is_array_) return set_value(place, member, node);
   if (!node.IsSequence()) throw mistake(node, std::string("'") + member.name_ + "' is a list");
   const bool is_fixed = member.array_size_ != 0 && !member.is_upper_bound_;
@@ -89,9 +87,8 @@ void add_numbers(const void* message, const MessageMembers& type, const std::str
                  const std::function<void(const std::string&, double)>& use) {
   for (std::uint32_t i = 0; i < type.member_count_; ++i) {
     const MessageMember& member = type.members_[i];
-    const void* const place = static_cast<const char*>(message) + member.offset_;
-    const std::size_t size = member.size_function != nullptr ? member.size_function(place) : member.array_size_;
-    const std::size_t count = member.is_array_ ? std::min(size, most_elements) : 1;
+    const void* const place = place_of(message, member);
+    const std::size_t count = member.is_array_ ? std::min(rehearse_ros2::count_of(place, member), most_elements) : 1;
     for (std::size_t element = 0; element < count; ++element) {
       const std::string name = prefix + member.name_ + (member.is_array_ ? "/" + std::to_string(element) : "");
       if (member.is_array_ && member.type_id_ == introspection::ROS_TYPE_BOOLEAN) {
@@ -124,10 +121,9 @@ void set_fields(void* message, const MessageMembers& type, const YAML::Node& fie
   if (!fields.IsMap()) throw mistake(fields, rehearse_ros2::type_name_of(type) + " is a map of fields");
   for (const auto& entry : fields) {
     const std::string name = entry.first.Scalar();
-    const auto* const end = type.members_ + type.member_count_;
-    const auto* const member =
-        std::find_if(type.members_, end, [&](const MessageMember& known) { return known.name_ == name; });
-    if (member == end) throw mistake(entry.first, rehearse_ros2::type_name_of(type) + " has no field '" + name + "'");
+    const MessageMember* const member = rehearse_ros2::field_named(type, name);
+    if (member == nullptr)
+      throw mistake(entry.first, rehearse_ros2::type_name_of(type) + " has no field '" + name + "'");
     set_member(message, *member, entry.second);
   }
 }

@@ -4,7 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <functional>
-#include <rclcpp/detail/encoding.hpp>
+#include <rclcpp/detail/message_type.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -24,7 +24,7 @@ void set_fields(void* message, const rehearse_ros2::MessageMembers& type, const 
 void for_each_number(const void* message, const rehearse_ros2::MessageMembers& type,
                      const std::function<void(const std::string& name, double value)>& use);
 
-/// "line 3: text" with the text's line in the options.
+/// "options, line 3: text", with the line of the node.
 OptionsError mistake(const YAML::Node& node, const std::string& text);
 
 }  // namespace rehearse::ros2

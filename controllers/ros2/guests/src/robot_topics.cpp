@@ -8,8 +8,10 @@ namespace rehearse::ros2 {
 namespace {
 
 namespace introspection = rosidl_typesupport_introspection_cpp;
-using introspection::MessageMember;
+using rehearse_ros2::field_named;
+using rehearse_ros2::MessageMember;
 using rehearse_ros2::MessageMembers;
+using sensor_msgs::msg::JointState;
 
 int checked(rehearse_io* io, int code, const TopicBinding& binding) {
   if (code < 0) throw mistake(binding.place, rehearse_error(io));
@@ -37,7 +39,7 @@ class JointStates final : public RobotSource {
   JointStates(const TopicBinding& binding, rehearse_io* io, rclcpp::Node& robot)
       : io_(io),
         clock_(robot.get_clock()),
-        publisher_(robot.create_publisher<sensor_msgs::msg::JointState>(binding.topic, rclcpp::SystemDefaultsQoS())),
+        publisher_(robot.create_publisher<JointState>(binding.topic, rclcpp::SystemDefaultsQoS())),
         joints_(joints_of(binding, io)) {
     for (const NamedHandle& joint : joints_) {
       checked(io, rehearse_read(io, joint.handle, REHEARSE_Q | REHEARSE_DQ | REHEARSE_U), binding);
@@ -58,9 +60,9 @@ class JointStates final : public RobotSource {
  private:
   rehearse_io* io_;
   rclcpp::Clock::SharedPtr clock_;
-  rclcpp::Publisher<sensor_msgs::msg::JointState>::SharedPtr publisher_;
+  rclcpp::Publisher<JointState>::SharedPtr publisher_;
   std::vector<NamedHandle> joints_;
-  sensor_msgs::msg::JointState message_;
+  JointState message_;
 };
 
 class Imu final : public RobotSource {
@@ -111,23 +113,26 @@ class Imu final : public RobotSource {
   sensor_msgs::msg::Imu message_;
 };
 
-const MessageMember* member_named(const MessageMembers& type, const std::string& name) {
-  for (std::uint32_t i = 0; i < type.member_count_; ++i)
-    if (type.members_[i].name_ == name) return &type.members_[i];
-  return nullptr;
-}
+}  // namespace
 
-const void* place_of(const void* message, const MessageMember& member) {
-  return static_cast<const char*>(message) + member.offset_;
-}
+struct CommandRow {
+  TopicBinding::Part part;
+  int quantity;
+  const char* field;  // of a JointState
+  std::vector<double> JointState::*values;
+};
 
-/// The field of a JointState that has the command.
-std::string field_of(TopicBinding::Part part) {
-  switch (part) {
-    case TopicBinding::Part::velocities: return "velocity";
-    case TopicBinding::Part::positions: return "position";
-    default: return "effort";
-  }
+namespace {
+
+constexpr CommandRow commands[] = {
+    {TopicBinding::Part::efforts, REHEARSE_U, "effort", &JointState::effort},
+    {TopicBinding::Part::velocities, REHEARSE_DQ, "velocity", &JointState::velocity},
+    {TopicBinding::Part::positions, REHEARSE_Q, "position", &JointState::position},
+};
+
+const CommandRow& command_of(TopicBinding::Part part) {
+  return *std::find_if(std::begin(commands), std::end(commands),
+                       [&](const CommandRow& row) { return row.part == part; });
 }
 
 }  // namespace
@@ -140,14 +145,10 @@ std::unique_ptr<RobotSource> make_source(const TopicBinding& binding, rehearse_i
   }
 }
 
-RobotSink::RobotSink(const TopicBinding& binding, rehearse_io* io) : binding_(binding), io_(io) {
-  switch (binding.part) {
-    case TopicBinding::Part::velocities: quantity_ = REHEARSE_DQ; break;
-    case TopicBinding::Part::positions: quantity_ = REHEARSE_Q; break;
-    default: quantity_ = REHEARSE_U; break;
-  }
+RobotSink::RobotSink(const TopicBinding& binding, rehearse_io* io)
+    : binding_(binding), io_(io), row_(command_of(binding.part)) {
   for (const NamedHandle& joint : joints_of(binding, io)) {
-    checked(io, rehearse_command(io, joint.handle, quantity_), binding);
+    checked(io, rehearse_command(io, joint.handle, row_.quantity), binding);
     joints_.push_back({joint.name, joint.handle});
   }
 }
@@ -156,7 +157,7 @@ void RobotSink::connect() {
   if (endpoint_) return;
   const MessageMembers* type = rehearse_ros2::Topics::instance().type_of(binding_.topic);
   if (type == nullptr) return;
-  const MessageMember* data = member_named(*type, "data");
+  const MessageMember* data = field_named(*type, "data");
   const bool has_numbers = data != nullptr && data->type_id_ == introspection::ROS_TYPE_DOUBLE;
   if (!has_numbers && rehearse_ros2::type_name_of(*type) != "sensor_msgs/msg/JointState")
     throw mistake(binding_.place, "the topic '" + binding_.topic + "' has the type " +
@@ -176,10 +177,10 @@ void RobotSink::command() {
     if (!endpoint_->take(delivery)) return;
   }
   const void* const message = delivery.message.get();
-  if (const MessageMember* data = member_named(endpoint_->type, "data")) {
-    const void* const place = place_of(message, *data);
+  if (const MessageMember* data = field_named(endpoint_->type, "data")) {
+    const void* const place = rehearse_ros2::place_of(message, *data);
     if (!data->is_array_) return set(joints_.at(0), *static_cast<const double*>(place));
-    const std::size_t count = data->size_function != nullptr ? data->size_function(place) : data->array_size_;
+    const std::size_t count = rehearse_ros2::count_of(place, *data);
     if (count != joints_.size())
       throw std::runtime_error("a message on '" + binding_.topic + "' has " + std::to_string(count) + " numbers for " +
                                std::to_string(joints_.size()) + " joints");
@@ -187,13 +188,11 @@ void RobotSink::command() {
       set(joints_[i], *static_cast<const double*>(data->get_const_function(place, i)));
     return;
   }
-  const auto& state = *static_cast<const sensor_msgs::msg::JointState*>(message);
-  const auto& values = quantity_ == REHEARSE_U    ? state.effort
-                       : quantity_ == REHEARSE_DQ ? state.velocity
-                                                  : state.position;
+  const auto& state = *static_cast<const JointState*>(message);
+  const std::vector<double>& values = state.*row_.values;
   if (values.size() != state.name.size())
     throw std::runtime_error("a message on '" + binding_.topic + "' has " + std::to_string(state.name.size()) +
-                             " names and " + std::to_string(values.size()) + " values of " + field_of(binding_.part));
+                             " names and " + std::to_string(values.size()) + " values of " + row_.field);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto joint =
         std::find_if(joints_.begin(), joints_.end(), [&](const Joint& known) { return known.name == state.name[i]; });
@@ -205,7 +204,7 @@ void RobotSink::command() {
 }
 
 void RobotSink::set(const Joint& joint, double value) {
-  if (rehearse_set(io_, joint.handle, quantity_, value) < 0) throw std::runtime_error(rehearse_error(io_));
+  if (rehearse_set(io_, joint.handle, row_.quantity, value) < 0) throw std::runtime_error(rehearse_error(io_));
 }
 
 }  // namespace rehearse::ros2

@@ -21,12 +21,14 @@ class RobotSource {
 /// Names what is read. Throws OptionsError.
 std::unique_ptr<RobotSource> make_source(const TopicBinding& binding, rehearse_io* io, rclcpp::Node& robot);
 
+/// A kind of commands: a row of a table.
+struct CommandRow;
+
 /// A topic by which the robot is commanded.
 class RobotSink {
  public:
   /// Names what is commanded. Throws OptionsError.
   RobotSink(const TopicBinding& binding, rehearse_io* io);
-  const std::string& topic() const { return binding_.topic; }
   /// Takes part in the topic as soon as somebody publishes on it. Throws OptionsError if its type has no commands.
   void connect();
   /// Commands what the last message says since the last call.
@@ -40,7 +42,7 @@ class RobotSink {
   void set(const Joint& joint, double value);
   TopicBinding binding_;
   rehearse_io* io_;
-  int quantity_ = 0;
+  const CommandRow& row_;
   std::vector<Joint> joints_;
   std::shared_ptr<rehearse_ros2::Endpoint> endpoint_;
 };

@@ -32,6 +32,11 @@ std::vector<std::shared_ptr<Object>> present(std::vector<std::weak_ptr<Object>>&
 
 }  // namespace
 
+std::int64_t deadline_after(std::chrono::nanoseconds timeout) {
+  const std::int64_t now = read_clock(RCL_STEADY_TIME);
+  return timeout.count() < 0 || timeout.count() > never - now ? never : now + timeout.count();
+}
+
 Bus& Bus::instance() {
   static Bus bus;
   return bus;
@@ -56,8 +61,17 @@ bool Bus::wait(std::uint64_t seen, std::int64_t deadline) {
   return changed_.wait_until(lock, until, is_new);
 }
 
+bool Bus::wait_for(std::chrono::nanoseconds timeout, const std::function<bool()>& is_true) {
+  const std::int64_t deadline = deadline_after(timeout);
+  for (;;) {
+    const std::uint64_t seen = changes();
+    if (is_true()) return true;
+    if (timeout.count() == 0 || !rclcpp::ok() || !wait(seen, deadline)) return is_true();
+  }
+}
+
 void Endpoint::put(const Delivery& delivery) {
-  while (queue.size() >= limit) queue.pop_front();
+  while (queue.size() >= qos.rehearse_limit()) queue.pop_front();
   queue.push_back(delivery);
 }
 
@@ -294,16 +308,6 @@ std::shared_ptr<ServiceBase> ClientBase::find() const {
   const BusLock lock(Bus::instance().mutex);
   const auto found = rehearse_services().find(name_);
   return found == rehearse_services().end() ? nullptr : found->second.lock();
-}
-bool ClientBase::wait_for_service_nanoseconds(std::chrono::nanoseconds timeout) {
-  Bus& bus = Bus::instance();
-  const std::int64_t until =
-      timeout.count() < 0 ? rehearse_ros2::never : rehearse_ros2::read_clock(RCL_STEADY_TIME) + timeout.count();
-  for (;;) {
-    const std::uint64_t seen = bus.changes();
-    if (service_is_ready()) return true;
-    if (timeout.count() == 0 || !ok() || !bus.wait(seen, until)) return service_is_ready();
-  }
 }
 std::int64_t ClientBase::send(std::shared_ptr<void> request, std::weak_ptr<ClientBase> self,
                               std::function<void(std::shared_ptr<void>)> done) {

@@ -73,7 +73,7 @@ bool Context::remove(Callbacks& callbacks, const ShutdownCallbackHandle& handle)
 
 bool Context::sleep_for(const std::chrono::nanoseconds& duration) {
   rehearse_ros2::Bus& bus = rehearse_ros2::Bus::instance();
-  const std::int64_t until = rehearse_ros2::read_clock(RCL_STEADY_TIME) + duration.count();
+  const std::int64_t until = rehearse_ros2::deadline_after(std::max(duration, std::chrono::nanoseconds(0)));
   while (valid_) {
     const std::uint64_t seen = bus.changes();
     if (rehearse_ros2::read_clock(RCL_STEADY_TIME) >= until || !bus.wait(seen, until)) break;
@@ -92,7 +92,9 @@ Context::SharedPtr get_global_default_context() {
 
 namespace {
 
-Context& valid(const Context::SharedPtr& context) { return context ? *context : *get_global_default_context(); }
+Context& given_or_global(const Context::SharedPtr& context) {
+  return context ? *context : *get_global_default_context();
+}
 
 }  // namespace
 
@@ -120,13 +122,15 @@ std::vector<std::string> init_and_remove_ros_arguments(int argc, char const* con
   return remove_ros_arguments(argc, argv);
 }
 
-bool ok(Context::SharedPtr context) { return valid(context).is_valid(); }
-bool shutdown(Context::SharedPtr context, const std::string& reason) { return valid(context).shutdown(reason); }
+bool ok(Context::SharedPtr context) { return given_or_global(context).is_valid(); }
+bool shutdown(Context::SharedPtr context, const std::string& reason) {
+  return given_or_global(context).shutdown(reason);
+}
 void on_shutdown(std::function<void()> callback, Context::SharedPtr context) {
-  valid(context).on_shutdown(std::move(callback));
+  given_or_global(context).on_shutdown(std::move(callback));
 }
 bool sleep_for(const std::chrono::nanoseconds& duration, Context::SharedPtr context) {
-  return valid(context).sleep_for(duration);
+  return given_or_global(context).sleep_for(duration);
 }
 
 }  // namespace rclcpp

@@ -10,15 +10,10 @@ namespace {
 
 using rehearse_ros2::Bus;
 using rehearse_ros2::BusLock;
+using rehearse_ros2::deadline_after;
 using rehearse_ros2::EntityKind;
 
 std::int64_t steady_now() { return rehearse_ros2::read_clock(RCL_STEADY_TIME); }
-
-/// `now` and the timeout; negative: without limit.
-std::int64_t deadline_after(std::int64_t now, std::chrono::nanoseconds timeout) {
-  if (timeout.count() < 0 || timeout.count() > rehearse_ros2::never - now) return rehearse_ros2::never;
-  return now + timeout.count();
-}
 
 }  // namespace
 
@@ -157,7 +152,7 @@ bool Executor::execute(const Work& work) {
 
 void Executor::spin_ready(std::chrono::nanoseconds most, bool again) {
   const Spinning spinning(*this, again ? "spin_all" : "spin_some");
-  const std::int64_t end = most.count() == 0 ? rehearse_ros2::never : deadline_after(steady_now(), most);
+  const std::int64_t end = most.count() == 0 ? rehearse_ros2::never : deadline_after(most);
   bool is_over = false;
   do {
     const auto work = ready_work(steady_now(), nullptr, false);
@@ -195,7 +190,7 @@ bool Executor::execute_one(std::int64_t deadline) {
 
 bool Executor::spin_one(std::chrono::nanoseconds timeout) {
   const Spinning spinning(*this, "spin_once");
-  return execute_one(deadline_after(steady_now(), timeout));
+  return execute_one(deadline_after(timeout));
 }
 
 void Executor::spin() {
@@ -207,7 +202,7 @@ void Executor::spin() {
 FutureReturnCode Executor::spin_until(const std::function<bool()>& is_done, std::chrono::nanoseconds timeout) {
   if (is_done()) return FutureReturnCode::SUCCESS;
   const Spinning spinning(*this, "spin_until_future_complete");
-  const std::int64_t deadline = deadline_after(steady_now(), timeout);
+  const std::int64_t deadline = deadline_after(timeout);
   while (ok(context_) && spinning_) {
     const bool is_executed = execute_one(deadline);
     if (is_done()) return FutureReturnCode::SUCCESS;
@@ -245,7 +240,7 @@ void WaitSet::remove_guard_condition(GuardCondition::SharedPtr condition) {
 WaitResultKind WaitSet::wait_nanoseconds(std::chrono::nanoseconds timeout) {
   if (entities_.empty() && conditions_.empty()) return Empty;
   Bus& bus = Bus::instance();
-  const std::int64_t deadline = deadline_after(steady_now(), timeout);
+  const std::int64_t deadline = deadline_after(timeout);
   for (;;) {
     const std::uint64_t seen = bus.changes();
     const std::int64_t now = steady_now();

@@ -160,13 +160,13 @@ std::vector<Argument> ros_arguments(const std::vector<std::string>& all) {
       continue;
     if (i + 1 == all.size()) throw RCLInvalidROSArgsError("nothing stands behind '" + argument + "'");
     const std::string& value = all[++i];
-    if (is_one_of(argument, {"-r", "--remap"}))
+    if (is_one_of(argument, {RCL_SHORT_REMAP_FLAG, RCL_REMAP_FLAG}))
       found.push_back({Argument::Kind::remap, value});
-    else if (is_one_of(argument, {"-p", "--param"}))
+    else if (is_one_of(argument, {RCL_SHORT_PARAM_FLAG, RCL_PARAM_FLAG}))
       found.push_back({Argument::Kind::parameter, value});
-    else if (argument == "--params-file")
+    else if (argument == RCL_PARAM_FILE_FLAG)
       found.push_back({Argument::Kind::file, value});
-    else if (!is_one_of(argument, {"--log-level", "--log-config-file", "--log-file-name", "-e", "--enclave"}))
+    else if (!is_one_of(argument, {RCL_LOG_LEVEL_FLAG, "--log-config-file", "--log-file-name", "-e", "--enclave"}))
       throw rclcpp::exceptions::UnknownROSArgsError("'" + argument + "' is no argument of ROS 2");
   }
   return found;

@@ -136,9 +136,10 @@ bool Clock::sleep_for(Duration duration, std::shared_ptr<Context> context) {
   return context->sleep_for(duration.to_chrono<std::chrono::nanoseconds>());
 }
 
-Rate::Rate(double frequency, Clock::SharedPtr clock) : Rate(Duration::from_seconds(1.0 / frequency), std::move(clock)) {
-  if (frequency <= 0.0) throw std::invalid_argument("rate must be greater than 0");
-}
+Rate::Rate(double frequency, Clock::SharedPtr clock)
+    : Rate(frequency > 0.0 ? Duration::from_seconds(1.0 / frequency)
+                           : throw std::invalid_argument("rate must be greater than 0"),
+           std::move(clock)) {}
 Rate::Rate(const Duration& period, Clock::SharedPtr clock)
     : clock_(std::move(clock)), period_(period), last_(clock_->now()) {
   if (period <= Duration(0, 0)) throw std::invalid_argument("period must be greater than 0");

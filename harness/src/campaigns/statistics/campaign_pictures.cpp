@@ -35,26 +35,29 @@ struct AxisWords {
 
 std::string axis_text(double x, double y, const char* anchor, const std::string& word) {
   return fmt::format("<text class=\"axis\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor,
-                     html_text(shortened(word, 28)));
+                     html_text(word));
 }
 
-std::string words_at(const AxisWords& words) {
-  return axis_text(0.0, height + 13.0, "start", words.low) +
-         axis_text(0.5 * width, height + 13.0, "middle", shortened(words.name, words.low.empty() ? 28 : 16)) +
-         axis_text(width, height + 13.0, "end", words.high);
+/// The words at an axis of that length: the ends of the range, and the name in the middle of what they leave. `y`: of
+/// their line.
+std::string words_at(const AxisWords& words, double length, double y) {
+  constexpr double letter = 6.5, gap = 3.0;  // of the page's letters, at most in the mean of a word [px]
+  const double begin = letter * static_cast<double>(words.low.size()) + gap,
+               end = length - letter * static_cast<double>(words.high.size()) - gap;
+  const auto most = static_cast<std::size_t>((end - begin) / letter);
+  const std::string name = words.name.size() <= most ? words.name : shortened(words.name, most - 2);  // dots are narrow
+  return axis_text(0.0, y, "start", words.low) + axis_text(0.5 * (begin + end), y, "middle", name) +
+         axis_text(length, y, "end", words.high);
 }
 
 /// The frame, its content, and the words at the axis across and at the one up.
 std::string svg(const std::string& label, const std::string& content, const AxisWords& across, const AxisWords& up) {
   const char* const role = content.find("<a href") == std::string::npos ? "img" : "group";  // an image has no links
-  // the words of the axis up are drawn at an axis across, from bottom to top
-  const std::string turned = axis_text(0.0, -4.0, "start", up.low) + axis_text(0.5 * height, -4.0, "middle", up.name) +
-                             axis_text(height, -4.0, "end", up.high);
   return fmt::format(
       "<svg viewBox=\"-18 -8 {:g} {:g}\" width=\"{:g}\" role=\"{}\" aria-label=\"{}\"><rect class=\"frame\" "
       "width=\"{:g}\" height=\"{:g}\"/>{}{}<g transform=\"translate(0 {:g}) rotate(-90)\">{}</g></svg>",
-      width + 26.0, height + 26.0, width + 26.0, role, html_text(label), width, height, content, words_at(across),
-      height, turned);
+      width + 26.0, height + 26.0, width + 26.0, role, html_text(label), width, height, content,
+      words_at(across, width, height + 13.0), height, words_at(up, height, -4.0));
 }
 
 AxisWords words_of(const CaseTable& table, std::size_t parameter, const std::string& name) {
@@ -126,7 +129,7 @@ std::string word_bars(const CaseTable& table, std::size_t parameter, const std::
     bar("passed", height - size, size);
     if (words.size() <= most_labels) bars += label_at(left + 0.1 * slot + 2.0, height - 4.0, words[i]);
   }
-  return svg(label, bars, {label}, {"share that passes", "0", "100 %"});
+  return svg(label, bars, {label}, {"passing share", "0", "100 %"});
 }
 
 /// The words of a parameter at their places on an axis; empty: it has numbers, or too many words.

@@ -88,7 +88,7 @@ std::string time_of(const Json& result) {
   return seconds != result.end() && seconds->is_number() ? fmt::format("{:.2f} s", seconds->get<double>()) : "";
 }
 
-/// "2026-11-27 06:50 UTC" and the commit; empty: unknown.
+/// "2026-11-27 06:50 UTC"; empty: unknown.
 std::string moment_of(const Json& result) {
   std::string text = text_in(result, "moment");
   if (text.size() >= 16) text = fmt::format("{} {} UTC", text.substr(0, 10), text.substr(11, 5));
@@ -181,8 +181,7 @@ Json previous_of(const Json& earlier) {
   return runs;
 }
 
-}  // namespace
-
+/// The commit that is checked out in the git repository of a folder, read from its files; empty: there is none.
 std::string head_commit_of(const fs::path& folder) {
   std::error_code failed;
   fs::path place = folder.empty() ? folder : fs::absolute(folder, failed);
@@ -207,6 +206,8 @@ std::string head_commit_of(const fs::path& folder) {
     if (line.ends_with(" " + name)) return line.substr(0, line.find(' '));
   return {};
 }
+
+}  // namespace
 
 void keep_result(const fs::path& folder, const TestResult& result) {
   Json note{{"test", result.test},

@@ -24,9 +24,6 @@ struct TestResult {
   std::filesystem::path project;      // a folder of the git repository whose commit was tested; empty: unknown
 };
 
-/// The commit that is checked out in the git repository of a folder, read from its files; empty: there is none.
-std::string head_commit_of(const std::filesystem::path& folder);
-
 /// Keeps the result, with the present moment and the commit, as FOLDER/TEST.KIND.report.json. The earlier result
 /// becomes one of its previous runs, of which ten are kept. The caller must have locked the folder.
 void keep_result(const std::filesystem::path& folder, const TestResult& result);

@@ -50,6 +50,18 @@ class ScratchFile {
   std::filesystem::path path_;
 };
 
+/// The events that a channel has at that log time.
+std::vector<msg::Event> events_at(MessageFinder* finder, std::uint16_t channel, std::uint64_t time) {
+  std::vector<msg::Event> all;
+  if (!finder) return all;
+  for (const MessageFinder::Found& found : finder->at(channel, time)) {
+    CdrReader reader(found.data);
+    msg::Event event;
+    if (msg::decode(reader, event)) all.push_back(std::move(event));
+  }
+  return all;
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> nearest_message(MessageFinder& finder, std::uint16_t channel, std::uint64_t time,
@@ -201,17 +213,6 @@ std::vector<Divergence> ReplayedOutputs::differences(std::uint64_t time) const {
       put_numbers(divergence, difference.expected, difference.actual, place.unit);
       all.push_back(std::move(divergence));
     }
-  }
-  return all;
-}
-
-static std::vector<msg::Event> events_at(MessageFinder* finder, std::uint16_t channel, std::uint64_t time) {
-  std::vector<msg::Event> all;
-  if (!finder) return all;
-  for (const MessageFinder::Found& found : finder->at(channel, time)) {
-    CdrReader reader(found.data);
-    msg::Event event;
-    if (msg::decode(reader, event)) all.push_back(std::move(event));
   }
   return all;
 }

@@ -14,8 +14,8 @@
 #include <rosidl_typesupport_introspection_cpp/service_introspection.hpp>
 #include <rosidl_typesupport_introspection_cpp/service_type_support_decl.hpp>
 
-#include "rclcpp/detail/encoding.hpp"
 #include "rclcpp/detail/entity.hpp"
+#include "rclcpp/detail/message_type.hpp"
 #include "rclcpp/qos.hpp"
 
 namespace rclcpp {
@@ -104,17 +104,17 @@ class ClientBase : public rehearse_ros2::Entity {
   explicit ClientBase(const std::string& name) : name_(name) {}
   const char* get_service_name() const { return name_.c_str(); }
   bool service_is_ready() const { return find() != nullptr; }
-  /// False: it isn't there in this time [ns]; negative: without limit.
+  /// False: it isn't there in this time; negative: without limit.
   template <class Count = std::int64_t, class Period = std::milli>
   bool wait_for_service(std::chrono::duration<Count, Period> timeout = std::chrono::duration<Count, Period>(-1)) {
-    return wait_for_service_nanoseconds(std::chrono::duration_cast<std::chrono::nanoseconds>(timeout));
+    return rehearse_ros2::Bus::instance().wait_for(std::chrono::duration_cast<std::chrono::nanoseconds>(timeout),
+                                                   [this] { return service_is_ready(); });
   }
   bool rehearse_ready(std::int64_t) override { return !answers_.empty(); }
   void rehearse_execute() override;
 
  protected:
   std::shared_ptr<ServiceBase> find() const;
-  bool wait_for_service_nanoseconds(std::chrono::nanoseconds timeout);
   /// Sends it; `done` is called with the response by the executor of this client. Returns its number.
   std::int64_t send(std::shared_ptr<void> request, std::weak_ptr<ClientBase> self,
                     std::function<void(std::shared_ptr<void>)> done);

@@ -4,6 +4,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -76,20 +77,13 @@ class Client : public RehearseMail, public std::enable_shared_from_this<Client<A
   template <class Count = std::int64_t, class Period = std::milli>
   bool wait_for_action_server(
       std::chrono::duration<Count, Period> timeout = std::chrono::duration<Count, Period>(-1)) const {
-    rehearse_ros2::Bus& bus = rehearse_ros2::Bus::instance();
-    const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout).count();
-    const std::int64_t until =
-        nanoseconds < 0 ? rehearse_ros2::never : rehearse_ros2::read_clock(RCL_STEADY_TIME) + nanoseconds;
-    for (;;) {
-      const std::uint64_t seen = bus.changes();
-      if (action_server_is_ready()) return true;
-      if (nanoseconds == 0 || !rclcpp::ok() || !bus.wait(seen, until)) return action_server_is_ready();
-    }
+    return rehearse_ros2::Bus::instance().wait_for(std::chrono::duration_cast<std::chrono::nanoseconds>(timeout),
+                                                   [this] { return action_server_is_ready(); });
   }
 
   std::shared_future<typename GoalHandle::SharedPtr> async_send_goal(
       const Goal& goal_message, const SendGoalOptions& options = SendGoalOptions()) {
-    const auto promise = std::make_shared<std::promise<typename GoalHandle::SharedPtr>>();
+    const auto promise = open_promise<typename GoalHandle::SharedPtr>();
     const auto future = promise->get_future().share();
     const auto server = find();
     if (!server) return future;  // nobody answers, as in life
@@ -118,6 +112,7 @@ class Client : public RehearseMail, public std::enable_shared_from_this<Client<A
       tell(self, goal, [handle, promise, options, is_accepted](Client& client) {
         if (is_accepted) client.handles_[handle->id_] = handle;
         promise->set_value(is_accepted ? handle : nullptr);
+        client.close(promise);
         if (options.goal_response_callback) options.goal_response_callback(is_accepted ? handle : nullptr);
       });
     };
@@ -170,6 +165,17 @@ class Client : public RehearseMail, public std::enable_shared_from_this<Client<A
     if (found == rehearse_servers().end()) return nullptr;
     return std::dynamic_pointer_cast<Server<Action>>(found->second.lock());
   }
+  template <class Value>
+  std::shared_ptr<std::promise<Value>> open_promise() {
+    auto promise = std::make_shared<std::promise<Value>>();
+    const rehearse_ros2::BusLock lock(rehearse_ros2::Bus::instance().mutex);
+    open_.insert(promise);
+    return promise;
+  }
+  void close(const std::shared_ptr<void>& promise) {
+    const rehearse_ros2::BusLock lock(rehearse_ros2::Bus::instance().mutex);
+    open_.erase(promise);
+  }
   template <class Work>
   static void tell(const std::weak_ptr<Client>& self, Order order, Work work) {
     const auto client = self.lock();
@@ -188,7 +194,7 @@ class Client : public RehearseMail, public std::enable_shared_from_this<Client<A
   }
   std::shared_future<typename CancelResponse::SharedPtr> send_cancel(const std::vector<GoalUUID>& ids,
                                                                      CancelCallback callback) {
-    const auto promise = std::make_shared<std::promise<typename CancelResponse::SharedPtr>>();
+    const auto promise = open_promise<typename CancelResponse::SharedPtr>();
     const auto future = promise->get_future().share();
     const auto server = find();
     if (!server) return future;
@@ -198,8 +204,9 @@ class Client : public RehearseMail, public std::enable_shared_from_this<Client<A
       const auto there = to.lock();
       if (!there) return;
       const auto response = there->rehearse_take_cancel(ids);
-      tell(self, cancel, [promise, callback, response](Client&) {
+      tell(self, cancel, [promise, callback, response](Client& client) {
         promise->set_value(response);
+        client.close(promise);
         if (callback) callback(response);
       });
     });
@@ -208,6 +215,8 @@ class Client : public RehearseMail, public std::enable_shared_from_this<Client<A
 
   std::string name_;
   std::map<GoalUUID, typename GoalHandle::SharedPtr> handles_;
+  std::set<std::shared_ptr<void>>
+      open_;  // promises of answers to come, under the lock of the bus: futures of others throw
 };
 
 struct rcl_action_client_options_t {};

@@ -1,4 +1,4 @@
-// The server of an action. It takes goals first, then cancellations, then requests of results.
+// The server of an action. It takes goals first, then cancellations.
 #pragma once
 
 #include <atomic>
@@ -18,10 +18,8 @@ class ServerGoalHandleBase {
   bool is_active() const { return status_ <= GoalStatus::STATUS_CANCELING && status_ > GoalStatus::STATUS_UNKNOWN; }
   bool is_executing() const { return status_ == GoalStatus::STATUS_EXECUTING; }
   bool is_canceling() const { return status_ == GoalStatus::STATUS_CANCELING; }
-  std::int8_t rehearse_status() const { return status_; }
 
  protected:
-  friend class ServerBase;
   /// Throws rclcpp::exceptions::RCLError if the goal can't go from its status to this one.
   void go_to(std::int8_t status);
   std::atomic<std::int8_t> status_{GoalStatus::STATUS_ACCEPTED};
@@ -79,7 +77,7 @@ class ServerGoalHandle : public ServerGoalHandleBase {
 class ServerBase : public RehearseMail {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(ServerBase)
-  enum Order { goal, cancel, result };
+  enum Order { goal, cancel };
 };
 
 /// The servers of the process by name, under the lock of the bus.

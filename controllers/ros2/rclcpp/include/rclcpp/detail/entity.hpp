@@ -3,8 +3,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -17,6 +19,9 @@ namespace rehearse_ros2 {
 
 inline constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
+/// The steady time at the end of a timeout that begins now [ns]; negative: never.
+std::int64_t deadline_after(std::chrono::nanoseconds timeout);
+
 /// The lock of the bus, and the way to wait for a change.
 class Bus {
  public:
@@ -26,6 +31,8 @@ class Bus {
   void notify();
   /// Waits for a change after `seen`, or until this steady time [ns]. False: the time came first.
   bool wait(std::uint64_t seen, std::int64_t deadline);
+  /// Waits until it is true; negative: without limit. False: the time or the default context ended first.
+  bool wait_for(std::chrono::nanoseconds timeout, const std::function<bool()>& is_true);
   /// The number of changes so far.
   std::uint64_t changes() const { return changes_; }
   /// Numbers of requests, goals and publications: 1, 2, ...

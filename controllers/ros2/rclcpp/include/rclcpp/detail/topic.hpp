@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "rclcpp/detail/encoding.hpp"
 #include "rclcpp/detail/entity.hpp"
+#include "rclcpp/detail/message_type.hpp"
 #include "rclcpp/qos.hpp"
 
 namespace rclcpp {
@@ -39,11 +39,10 @@ struct Delivery {
 class Endpoint {
  public:
   Endpoint(std::string topic, const MessageMembers& type, const rclcpp::QoS& qos)
-      : topic(std::move(topic)), type(type), qos(qos), limit(qos.rehearse_limit()) {}
+      : topic(std::move(topic)), type(type), qos(qos) {}
   const std::string topic;
   const MessageMembers& type;
   const rclcpp::QoS qos;
-  const std::size_t limit;
   std::string node;            // the full name of its node; set before others see it
   std::deque<Delivery> queue;  // under the lock of the bus
   /// The oldest one goes if the queue is full.

@@ -1,2 +1,0 @@
-#pragma once
-#include "pal_statistics/pal_statistics.hpp"

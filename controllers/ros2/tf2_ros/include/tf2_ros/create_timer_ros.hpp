@@ -1,2 +1,0 @@
-#pragma once
-#include "tf2_ros/buffer.hpp"
