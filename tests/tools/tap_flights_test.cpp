@@ -1,4 +1,5 @@
 // Recordings of robots' loops by the verb tap: their replays, and their comparison with a simulation.
+#include <rehearse/gtest.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <sys/stat.h>
@@ -9,6 +10,7 @@
 #include <map>
 #include <random>
 
+#include "support/environment_variable.h"
 #include "tap/tap_verb.h"
 
 namespace rehearse::test {
@@ -279,6 +281,35 @@ TEST_F(Flights, RefusesAControllerThatReadsWhatTheTapLacks) {
   const Outcome replayed = replay("flight.mcap", GUEST_THAT_READS_EFFORTS);
   EXPECT_EQ(replayed.status, 2);
   EXPECT_THAT(replayed.err, HasSubstr("reads u of link 'LINK0', which was not recorded"));
+}
+
+TEST_F(Flights, BecomeGoldensOfTests) {
+  ASSERT_EQ(record("flight.mcap", 2000, 3), 0) << said();
+  fs::create_directories(folder() / "golden");
+  const std::vector<std::string> accept{"golden", "accept", "Walker.KeepsItsCommands", "--recording", "flight.mcap"};
+  const Outcome accepted = rehearse(accept);
+  EXPECT_EQ(accepted.status, 0) << accepted.err;
+  EXPECT_THAT(accepted.out, HasSubstr("accepted golden/Walker.KeepsItsCommands.mcap"));
+  EXPECT_THAT(rehearse(accept).out, HasSubstr("is this run already: nothing was changed"));
+  const Outcome two = rehearse({"golden", "accept", "A.B", "C.D", "--recording", "flight.mcap"});
+  EXPECT_EQ(two.status, 2);
+  EXPECT_THAT(two.err, HasSubstr("--recording becomes one golden: state its name alone"));
+  EXPECT_NE(rehearse({"golden", "accept", "A.B", "--recording", "none.mcap"}).status, 0);
+
+  fs::create_directories(folder() / "controllers");
+  const EnvironmentVariable path("REHEARSE_CONTROLLER_PATH", (folder() / "controllers").c_str());
+  set_test_folders({folder().string(), (folder() / "golden").string(), folder().string(), ""});
+  const auto replay_with = [this](const char* guest) {
+    fs::copy_file(guest, folder() / "controllers/Walk.so", fs::copy_options::overwrite_existing);
+    return internal::replay_golden("Walker.KeepsItsCommands", "Walker.ReplaysFriday");
+  };
+  const auto same = replay_with(GUEST);
+  EXPECT_TRUE(same.passed) << same.message;
+  const auto other = replay_with(GUEST_WITH_GAIN);
+  EXPECT_FALSE(other.passed);
+  EXPECT_THAT(other.message, HasSubstr("the controller gives other commands: "));
+  EXPECT_THAT(internal::replay_golden("Walker.Kept", "Walker.Kept").message,
+              HasSubstr("or a recording: rehearse golden accept Walker.Kept --recording FILE"));
 }
 
 }  // namespace
