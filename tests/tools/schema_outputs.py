@@ -135,6 +135,28 @@ def collect_log(outputs, fixtures, golden):
         fixtures / "broken/map_unknown_key.yaml")
 
 
+FLOWN = """rehearse: 1
+duration: 0.1
+bodies:
+  - name: Walker
+    model: pendulum.urdf
+    fixed: true
+    controllers: [{name: Walk, library: GUEST, delay: false}]
+"""
+
+
+def collect_flight(outputs, fixtures):
+    """A robot's loop, recorded by a tap."""
+    model, programs, tap = outputs.folder / "pendulum.urdf", outputs.program.parent, f"schemas-{os.getpid()}"
+    model.write_text((fixtures / "models/pendulum.urdf").read_text().replace('"imu"', '"Imu"', 1))  # as the loop names it
+    guest = next((programs.parent / "tests/tools").glob("**/tap_GUEST.so"))
+    (outputs.folder / "flown.yaml").write_text(FLOWN.replace("GUEST", str(guest)))
+    subprocess.run([programs / "tap_loop", tap, model, "100", "hinge"], check=True)
+    subprocess.run([outputs.program, "tap", tap, "--recover", "-o", "flight.mcap"], cwd=outputs.folder, check=True,
+                   capture_output=True)
+    outputs.run("check-flight", "check", "flown.yaml", "--flight", "flight.mcap")
+
+
 def collect(program, source, folder):
     """The objects of every verb, as they are printed for the fixtures."""
     outputs = Outputs(program, folder)
@@ -178,4 +200,5 @@ def collect(program, source, folder):
     run("inspect", "inspect", "absent.urdf")
     collect_log(outputs, fixtures, golden)
     run("import", "import", fixtures / "projects/wagon.cnoid", "-o", "imported")
+    collect_flight(outputs, fixtures)
     return outputs.objects

@@ -5,8 +5,11 @@
 #include <sys/stat.h>
 #include <rehearse/tap.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -18,6 +21,14 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+
+/// The first tick from which on one of the joints differs.
+std::int64_t first_tick_of(const nlohmann::json& joints) {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  for (const nlohmann::json& joint : joints)
+    if (!joint["from"].is_null()) first = std::min(first, joint["from"].get<std::int64_t>());
+  return first;
+}
 
 class Flights : public TapVerb {
  protected:
@@ -259,6 +270,11 @@ TEST_F(Flights, FindsTheTickFromWhichAWorldDiffersFromTheRobot) {
     EXPECT_EQ(other.status, 1) << other.out << other.err;
     EXPECT_THAT(other.out,
                 testing::ContainsRegex("plant: the world differs from the robot from tick [0-9]+ .*: J[0-2]"));
+    const nlohmann::json both = rehearse({"check", "arm.yaml", "--flight", flight, "--json"}).json();
+    EXPECT_EQ(both["controller"]["equal"], noise == 0.0);
+    EXPECT_EQ(both["plant"]["verdict"], "differs");
+    EXPECT_EQ(both["plant"]["joints"].size(), 3u);
+    EXPECT_THAT(other.out, HasSubstr(fmt::format("from tick {} ", first_tick_of(both["plant"]["joints"]))));
     write("walker.urdf", model);
   }
   std::string free = scenario, model = read_file(folder() / "walker.urdf");

@@ -377,15 +377,15 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
   const bool alone = files->size() == 1;
   if (settings.debugger.is_wanted() && !alone)
     return refuse(error("--gdb stops in one scenario", "name that scenario"));
-  if (!settings.flight.empty() && (!alone || settings.json || settings.debugger.is_wanted()))
-    return refuse(error("--flight compares one scenario, and goes with neither --json nor --gdb",
-                        "name that scenario; rehearse replay FLIGHT has both options"));
+  if (!settings.flight.empty() && (!alone || settings.debugger.is_wanted()))
+    return refuse(error("--flight compares one scenario, without --gdb",
+                        "name that scenario; rehearse replay FLIGHT --gdb stops in its controller"));
   if (!settings.golden.empty() && !alone) return refuse(error("--golden compares one scenario", "name that scenario"));
   std::optional<Scenario> only;
   if (alone) {
     auto scenario = read_scenario(files->front(), settings.values);
     if (!scenario) return refuse(scenario.errors());
-    if (!settings.flight.empty()) return check_with_flight(*scenario, settings.flight, settings.check.run);
+    if (!settings.flight.empty()) return check_with_flight(*scenario, settings.flight, settings.check.run, settings.json);
     if (settings.scenarios.empty() && !can_be_checked(*scenario)) return refuse(nothing_to_check());
     if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
     only = *std::move(scenario);

@@ -19,6 +19,7 @@
 #include "flight.h"
 #include "output.h"
 #include "progress.h"
+#include "replay_verdict.h"
 
 namespace rehearse::tool {
 namespace {
@@ -37,27 +38,6 @@ Result<std::string> library_for(const Scenario& scenario, const Flight& flight) 
   return error_in(scenario.file, fmt::format("it has no controller '{}', which the flight has", flight.controller));
 }
 
-/// "equal bit for bit", "within its tolerance ...", "differs: ...".
-std::string controller_line(const ReplayReport& report, bool& holds) {
-  holds = true;
-  if (report.failure) {
-    holds = false;
-    return "failed: " + report.failure->message;
-  }
-  if (report.values == 0) {
-    holds = false;
-    return "nothing was compared: no controller commanded anything";
-  }
-  if (!report.first)
-    return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
-                       count_text(report.values, "commanded number"));
-  if (report.is_allowed()) return headline(report, "the rules for commands allow the differences: ");
-  if (report.is_rounding())
-    return fmt::format("within its tolerance: {}; {}", headline(report), report.other_mathematics);
-  holds = false;
-  return headline(report, "differs: ");
-}
-
 void tell_world(const Scenario& scenario, const ForcedReport& report) {
   const ForcedJoint* const first = report.first();
   if (!first)
@@ -74,9 +54,31 @@ void tell_world(const Scenario& scenario, const ForcedReport& report) {
                joint.from ? std::to_string(*joint.from) : "-");
 }
 
+/// "agrees", "differs" or "undecided".
+const char* word_on_world(const ForcedReport& report) {
+  if (!report.undecided.empty()) return "undecided";
+  return report.first() ? "differs" : "agrees";
+}
+
+Json world_json(const ForcedReport& report) {
+  Json joints = Json::array();
+  for (const ForcedJoint& joint : report.joints)
+    joints.push_back({{"name", joint.name},
+                      {"unit", joint.is_linear ? "m/s^2" : "rad/s^2"},
+                      {"missing", joint.missing},
+                      {"noise", joint.floor},
+                      {"tick", joint.worst},
+                      {"from", joint.from ? Json(*joint.from) : Json(nullptr)}});
+  return {{"verdict", word_on_world(report)},
+          {"undecided", report.undecided.empty() ? Json(nullptr) : Json(report.undecided)},
+          {"steps", report.steps},
+          {"span", report.span},
+          {"joints", joints}};
+}
+
 }  // namespace
 
-Exit check_with_flight(const Scenario& scenario, const std::string& file, const HostOptions& host) {
+Exit check_with_flight(const Scenario& scenario, const std::string& file, const HostOptions& host, bool json) {
   const auto flight = flight_in(file);
   if (!flight) return refuse(error_in(file, "it is no flight with a model", "rehearse tap makes flights"));
   take_mathematics_of(*flight);
@@ -95,9 +97,9 @@ Exit check_with_flight(const Scenario& scenario, const std::string& file, const 
     return replay(file, options);
   }();
   if (!replayed) return refuse(replayed.errors());
-  bool holds = false;
-  fmt::print("{} beside {}\ncontroller: {}\n  {}\n", scenario.name, file, controller_line(*replayed, holds),
-             mathematics_line(*flight));
+  if (!json)
+    fmt::print("{} beside {}\ncontroller: {}\n  {}\n", scenario.name, file, replay_verdict(*replayed),
+               mathematics_line(*flight));
   std::fflush(stdout);
   const auto recording = Trace::load_in_pieces(file, [](const Trace&) {});
   if (!recording) return refuse(recording.errors());
@@ -108,15 +110,23 @@ Exit check_with_flight(const Scenario& scenario, const std::string& file, const 
   }();
   end_if_reader_is_gone();
   if (!world) return refuse(world.errors());
-  fmt::print("plant: ");
-  if (!world->undecided.empty())
-    fmt::print("undecided: state missing: {}\n", world->undecided);
-  else
-    tell_world(scenario, *world);
-  std::fflush(stdout);
-  tell_remarks(replayed->remarks, replayed->failure);
+  if (json) {
+    print({{"scenario", scenario.name},
+           {"flight", file},
+           {"mathematics", mathematics_line(*flight)},
+           {"controller", replay_json(*replayed, {})},
+           {"plant", world_json(*world)}});
+  } else {
+    fmt::print("plant: ");
+    if (!world->undecided.empty())
+      fmt::print("undecided: state missing: {}\n", world->undecided);
+    else
+      tell_world(scenario, *world);
+    std::fflush(stdout);
+    tell_remarks(replayed->remarks, replayed->failure);
+  }
   if (replayed->failure || replayed->controller_refused) return Exit::controller_failed;
-  if (!holds || world->first()) return Exit::differs;
+  if (!replay_holds(*replayed) || world->first()) return Exit::differs;
   return world->undecided.empty() ? Exit::done : Exit::odd;
 }
 

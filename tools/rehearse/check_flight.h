@@ -11,7 +11,7 @@
 namespace rehearse::tool {
 
 /// Replays the flight into the scenario's controller, and compares the scenario's world with the robot step by step.
-/// Prints both. Status 1: one of them differs; 4: the world's state isn't known.
-Exit check_with_flight(const Scenario& scenario, const std::string& flight, const HostOptions& host);
+/// Prints both, `json`: as an object. Status 1: one of them differs; 4: the world's state isn't known.
+Exit check_with_flight(const Scenario& scenario, const std::string& flight, const HostOptions& host, bool json);
 
 }  // namespace rehearse::tool

@@ -136,17 +136,49 @@ const Form& words_form() {
   return form;
 }
 
+const Form& replayed_form() {
+  static const Form form{
+      "replay",
+      "replay --json",
+      {member("verdict", types::string()), member("equal", types::flag()), member("within", types::flag()),
+       member("explanation", types::string()), member("first", difference_type()), member("beyond", difference_type()),
+       member("worst", difference_type()), member("ticks", types::count()), member("ticks_different", types::count()),
+       member("values", types::count()), member("values_different", types::count()),
+       member("words", types::of(words_form)), member("failure", types::nullable(types::string())),
+       member("changed_files", types::array(types::string())), member("controller_refused", types::flag()),
+       member("control_times", control_times_type()), member("remarks", findings_type())}};
+  return form;
+}
+
 const Form& replay_form() {
+  static const Form form = with_version(replayed_form());
+  return form;
+}
+
+const Form& flown_joint_form() {
+  static const Form form{"flown_joint",
+                         "the largest mean acceleration of a joint that the world lacks",
+                         {member("name", types::string()), member("unit", types::string()),
+                          member("missing", types::real()), member("noise", types::real()),
+                          member("tick", types::count()), member("from", types::nullable(types::count()))}};
+  return form;
+}
+
+const Form& flown_world_form() {
+  static const Form form{"flown_world",
+                         "a scenario's world beside a flight",
+                         {member("verdict", types::word({"agrees", "differs", "undecided"})),
+                          member("undecided", types::nullable(types::string())), member("steps", types::count()),
+                          member("span", types::real()), member("joints", types::array(types::of(flown_joint_form)))}};
+  return form;
+}
+
+const Form& check_flight_form() {
   static const Form form = with_version(
-      {"replay",
-       "replay --json",
-       {member("verdict", types::string()), member("equal", types::flag()), member("within", types::flag()),
-        member("explanation", types::string()), member("first", difference_type()), member("beyond", difference_type()),
-        member("worst", difference_type()), member("ticks", types::count()), member("ticks_different", types::count()),
-        member("values", types::count()), member("values_different", types::count()),
-        member("words", types::of(words_form)), member("failure", types::nullable(types::string())),
-        member("changed_files", types::array(types::string())), member("controller_refused", types::flag()),
-        member("control_times", control_times_type()), member("remarks", findings_type())}});
+      {"check_flight",
+       "check --flight --json",
+       {member("scenario", types::string()), member("flight", types::string()), member("mathematics", types::string()),
+        member("controller", types::of(replayed_form)), member("plant", types::of(flown_world_form))}});
   return form;
 }
 
@@ -500,6 +532,7 @@ std::vector<NamedForm> verdict_objects() {
   return {object_of("record", "record --json", {record_object_form}),
           object_of("record-branch", "record --from-checkpoint --json", {branch_form}),
           object_of("check", "check --json", {check_form, check_alone_form, checks_form}),
+          object_of("check-flight", "check --flight --json", {check_flight_form}),
           object_of("replay", "replay --json", {replay_form}),
           object_of("diff", "diff --json", {diff_form}),
           object_of("audit", "audit --json", {audit_form}),

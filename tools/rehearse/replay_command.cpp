@@ -40,6 +40,7 @@
 #include "output.h"
 #include "progress.h"
 #include "replay_ticks.h"
+#include "replay_verdict.h"
 #include "wings.h"
 
 namespace rehearse::tool {
@@ -67,50 +68,12 @@ struct ReplaySettings {
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
 
-/// The commands have the recorded bits, or their rules allow the differences, or other mathematics explains them.
-bool holds(const ReplayReport& report) {
-  return (report.equal() || report.is_allowed() || report.is_rounding()) && report.values > 0;
-}
-
-std::string verdict(const ReplayReport& report) {
-  if (report.is_rounding())
-    return fmt::format("within its tolerance: {}; {}", headline(report), report.other_mathematics);
-  if (report.failure) return "failed: " + report.failure->message;
-  std::string files;
-  for (const std::string& change : report.changed_files) files += "; " + change;
-  if (report.first)
-    return headline(report, report.is_allowed() ? "the rules for commands allow the differences: " : "differs: ") +
-           (report.explanation.empty() ? "" : "; " + report.explanation) + files;
-  if (report.values == 0) return "nothing was compared: no controller commanded anything in that time";
-  return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
-                     count_text(report.values, "commanded number"));
-}
-
-Json report_json(const ReplaySettings& settings, const ReplayReport& report, const std::vector<std::string>& notes) {
-  Json object{{"verdict", verdict(report)},
-              {"equal", report.equal() && report.values > 0},
-              {"within", holds(report)},
-              {"explanation", report.explanation}};
-  object.update(json_of(report));
-  object.update({{"words",
-                  {{"lines", report.words.lines},
-                   {"variables", report.words.variables},
-                   {"different", report.words.different},
-                   {"first", json_of(report.words.first)}}},
-                 {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
-                 {"changed_files", report.changed_files},
-                 {"controller_refused", report.controller_refused},
-                 {"control_times", json_of(report.control_times)},
-                 {"remarks", json_of_remarks(report.remarks, notes)}});
-  return object;
-}
-
 void tell(const ReplaySettings& settings, const ReplayReport& report, double seconds) {
   fmt::print("replayed {}: {} without physics in {:.3f} s with loading\n", settings.trace,
              count_text(report.ticks, "tick"), seconds);
   if (settings.flight) fmt::print("{}\n", mathematics_line(*settings.flight));
   tell_control_times(report.control_times);
-  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
+  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", replay_verdict(report));
   if (report.words.first)
     fmt::print("their messages differ, too, which doesn't change the verdict: {}\n", to_string(*report.words.first));
   if (!report.first) return;
@@ -266,7 +229,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     if (const auto saved = save_scenario_of_flight(settings.trace, settings.controller, settings.scenario); !saved)
       return refuse(saved.errors());
   if (settings.json) {
-    print(report_json(settings, *report, notes));
+    print(replay_json(*report, notes));
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
@@ -275,7 +238,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (report->equal() && report->values == 0) return Exit::bad_input;
-  return holds(*report) ? Exit::done : Exit::differs;
+  return replay_holds(*report) ? Exit::done : Exit::differs;
 }
 
 std::function<Exit()> declare_replay(CLI::App& options) {
