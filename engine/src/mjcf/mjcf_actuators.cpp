@@ -23,8 +23,8 @@ std::optional<double> other_than_zero(std::optional<double> value) {
 
 class ActuatorReader {
  public:
-  ActuatorReader(Files& files, const Classes& classes, const Compiler& compiler, Draft& draft)
-      : files_(files), classes_(classes), compiler_(compiler), draft_(draft) {}
+  ActuatorReader(const Classes& classes, const Compiler& compiler, Draft& draft)
+      : classes_(classes), compiler_(compiler), draft_(draft) {}
 
   void read(const XMLElement& xml);
 
@@ -36,7 +36,6 @@ class ActuatorReader {
   MjcfDrive* drive_of(const Element& element);
   void read_general(const Element& element, double squared, MjcfDrive& drive);
 
-  Files& files_;
   const Classes& classes_;
   const Compiler& compiler_;
   Draft& draft_;
@@ -108,7 +107,7 @@ void ActuatorReader::read(const XMLElement& xml) {
 }  // namespace
 
 void read_actuators(Files& files, const Classes& classes, const Compiler& compiler, Draft& draft) {
-  ActuatorReader reader(files, classes, compiler, draft);
+  ActuatorReader reader(classes, compiler, draft);
   for (const XMLElement* xml : files.in_section("actuator")) reader.read(*xml);
   for (const MjcfDrive& drive : draft.drives)
     if (urdf::JointDraft* joint = draft.find_joint(drive.joint); joint && drive.effort)

@@ -52,12 +52,10 @@ std::optional<Inertial> solid_of(const MeshData& mesh, bool exact) {
   if (!(std::abs(volume) > 1e-300)) return std::nullopt;
   center /= volume;
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  double second_volume = 0.0;
   for (const Triangle& t : triangles) {
     const double of_one = pyramid(t, center);
     const Eigen::Vector3d a = t.a - center, b = t.b - center, c = t.c - center, all = a + b + c;
     products += of_one / 20.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + all * all.transpose());
-    second_volume += of_one;
   }
   Inertial solid;
   solid.mass = volume;

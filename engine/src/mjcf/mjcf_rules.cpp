@@ -165,8 +165,7 @@ void apply_contact_rules(Files& files, const Draft& draft, Model& model) {
       if (a < b && model.links[a].collides_with_own && model.links[b].collides_with_own && !touch[kind][other])
         apart.push_back({static_cast<int>(a), static_cast<int>(b)});
   std::ranges::sort(apart);
-  const auto repeated = std::ranges::unique(apart);
-  apart.erase(repeated.begin(), repeated.end());
+  apart.erase(std::unique(apart.begin(), apart.end()), apart.end());
   model.apart = std::move(apart);
 }
 
