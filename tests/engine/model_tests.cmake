@@ -13,7 +13,19 @@ rehearse_add_test(model_tests LABEL unit SHARDS 4
 
 rehearse_add_test(units_tests LABEL unit SHARDS 1 SOURCES units/units_test.cpp LIBRARIES Rehearse::harness)
 
-rehearse_add_test(mjcf_tests LABEL unit SHARDS 1 SOURCES mjcf/mjcf_test.cpp LIBRARIES Rehearse::harness)
+rehearse_add_test(mjcf_tests LABEL unit SHARDS 1 SOURCES mjcf/mjcf_broken_test.cpp mjcf/mjcf_model_test.cpp mjcf/mjcf_test.cpp
+  LIBRARIES Rehearse::harness)
+
+# Debian's libmujoco-dev: the same models, read independently.
+set(REHEARSE_MUJOCO_MODELS "" CACHE PATH "A folder of MuJoCo models, which are to be compared with MuJoCo's own reader")
+find_package(mujoco QUIET)
+if(mujoco_FOUND)
+  rehearse_add_test(mjcf_interop_test LABEL compat TIMEOUT 300 SOURCES mjcf/mjcf_interop_test.cpp
+    LIBRARIES Rehearse::harness mujoco::mujoco fmt::fmt)
+  target_compile_definitions(mjcf_interop_test PRIVATE MUJOCO_MODELS="${REHEARSE_MUJOCO_MODELS}")
+else()
+  message(STATUS "libmujoco-dev isn't installed: models aren't compared with MuJoCo's own reader")
+endif()
 
 rehearse_add_test(body_tests LABEL unit SHARDS 1
   SOURCES model/body_broken_test.cpp model/body_test.cpp model/mesh_nodes_test.cpp model/vrml_body_test.cpp model/vrml_test.cpp

@@ -2,6 +2,8 @@ rehearse_add_test(solver_tests LABEL sim SHARDS 1
   SOURCES solver/bounded_problem_test.cpp solver/forest_test.cpp solver/island_test.cpp
   LIBRARIES Rehearse::simulation)
 
+rehearse_add_test(mjcf_world_test LABEL sim SHARDS 1 SOURCES mjcf/mjcf_world_test.cpp LIBRARIES Rehearse::simulation)
+
 rehearse_add_test(world_tests LABEL sim SHARDS 8
   SOURCES
     world/actuators_test.cpp

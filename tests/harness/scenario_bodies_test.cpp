@@ -342,6 +342,29 @@ TEST(ScenarioBodies, LeavesOutMissingMeshesWhereThatIsAllowed) {
                                                       "its shape is left out"));
 }
 
+TEST(ScenarioBodies, BeginsInAKeyframeOfAMujocoModel) {
+  write_file("dog.xml",
+             "<mujoco><worldbody><body name='a'><freejoint/><geom size='0.1'/><body name='b'><joint name='j'/>"
+             "<geom size='0.1'/></body><body name='c'><joint name='k'/><geom size='0.1'/></body></body></worldbody>"
+             "<keyframe><key name='up' qpos='1 2 3 0 0 0 1 0.4 0.5'/></keyframe></mujoco>");
+  const std::string body = "rehearse: 1\nduration: 1\nbodies: [{name: A, model: dog.xml, posture: ";
+  const Scenario up = loaded(body + "up, joints: {k: -0.2}}]\n");
+  EXPECT_EQ(up.bodies.at(0).position, Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(up.bodies.at(0).rotation.z(), 1.0, 1e-15);
+  EXPECT_THAT(up.bodies.at(0).joints, testing::ElementsAre(0.4, -0.2));
+  EXPECT_EQ(loaded(body + "up, position: [0, 0, 1]}]\n").bodies.at(0).position, Eigen::Vector3d(0, 0, 1));
+  EXPECT_THAT(mistakes(load_text(body + "down}]\n")), HasSubstr("the model has no posture 'down'"));
+}
+
+TEST(ScenarioBodies, LeavesOutWhatIsUnsupportedWhereThatIsAllowed) {
+  write_file("string.xml",
+             "<mujoco><worldbody><body name='a'><freejoint/><geom size='0.1'/></body></worldbody>"
+             "<tendon><fixed name='string'/></tendon></mujoco>");
+  const std::string body = "rehearse: 1\nduration: 1\nbodies: [{name: A, model: string.xml";
+  EXPECT_THAT(mistakes(load_text(body + "}]\n")), HasSubstr("<tendon> isn't supported"));
+  EXPECT_EQ(loaded(body + ", allow_unsupported: true}]\n").bodies.size(), 1u);
+}
+
 TEST(ScenarioBodies, LoadsAModelAsEachBodyWantsIt) {
   write_file("hollow.urdf", hollow_slider());
   const Scenario scenario = loaded(

@@ -100,6 +100,13 @@ TEST_F(Inspect, TellsAProgramAllOfIt) {
   EXPECT_EQ(knee["id"], 3);
   EXPECT_EQ(knee["parent"], "RLEG_HIP_Y");
   EXPECT_EQ(knee["limits"]["effort"], 500.0);
+  const nlohmann::json& waist = model["links"][0];
+  EXPECT_EQ(waist["center"], nlohmann::json({0.0, 0.0, 0.0375}));
+  EXPECT_EQ(waist["inertia"], nlohmann::json({1.0, 1.0, 1.0, 0.0, 0.0, 0.0}));
+  const nlohmann::json& hip = model["links"][1];
+  EXPECT_EQ(hip["name"], "RLEG_HIP_R");
+  EXPECT_EQ(hip["position"], nlohmann::json({0.0, -0.09, 0.0}));
+  EXPECT_EQ(hip["quaternion"], nlohmann::json({1.0, 0.0, 0.0, 0.0}));
   double mass = 0.0;
   for (const nlohmann::json& link : model["links"]) mass += link["mass"].get<double>();
   EXPECT_NEAR(model["mass"], mass, 1e-9);

@@ -62,13 +62,28 @@ Json joint_json(const Model& model, const Link& link) {
           {"line", joint.line}};
 }
 
-/// The type of a link is that of its joint to the parent; for the root, that of its joint to the world.
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// About the centre of mass, along the link's axes: xx, yy, zz, xy, xz, yz.
+Json inertia_json(const Eigen::Matrix3d& m) { return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)}; }
+
+Json quaternion_json(const Eigen::Isometry3d& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+/// Position and quaternion are those of the link's frame in its parent's with all joints at 0; of the root, in the
+/// world. The type of a link is that of its joint to the parent; for the root, that of its joint to the world.
 Json links_json(const Model& model) {
   Json links = Json::array();
   for (const Link& link : model.links)
     links.push_back({{"name", link.name},
                      {"type", type_name(link.joint.type)},
                      {"mass", link.inertial.mass},
+                     {"center", vector_json(link.inertial.center)},
+                     {"inertia", inertia_json(link.inertial.inertia)},
+                     {"position", vector_json(link.joint.origin.translation())},
+                     {"quaternion", quaternion_json(link.joint.origin)},
                      {"parent", link.parent < 0 ? Json(nullptr) : Json(model.links[link.parent].name)},
                      {"line", link.line}});
   return links;
@@ -270,7 +285,8 @@ Exit run_inspect(const InspectSettings& settings) {
 std::function<Exit()> declare_inspect(CLI::App& options) {
   const auto settings = std::make_shared<InspectSettings>();
   CLI::Option* model =
-      options.add_option("MODEL", settings->model, "a URDF, or a body of Choreonoid: .body, .yaml or .wrl")
+      options
+          .add_option("MODEL", settings->model, "a URDF, a MuJoCo model, or a body of Choreonoid: .body, .yaml or .wrl")
           ->type_name("");
   options
       .add_option("--scenario", settings->scenario,

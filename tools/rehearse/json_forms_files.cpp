@@ -278,6 +278,8 @@ const Form& model_link_form() {
       "model_link",
       "a link",
       {member("name", types::string()), member("type", types::string()), member("mass", types::real()),
+       member("center", types::list(types::real(), 3, 3)), member("inertia", types::list(types::real(), 6, 6)),
+       member("position", types::list(types::real(), 3, 3)), member("quaternion", types::list(types::real(), 4, 4)),
        member("parent", maybe_string()), member("line", types::whole(-1, 1e9))}};
   return form;
 }

@@ -131,6 +131,7 @@ std::string loading_text(const UrdfOptions& urdf) {
   if (urdf.allow_missing_meshes) text += "    allow_missing_meshes: true\n";
   if (urdf.mesh_z_up) text += "    mesh_up: z\n";
   if (urdf.allow_unknown_devices) text += "    allow_unknown_devices: true\n";
+  if (urdf.allow_unsupported) text += "    allow_unsupported: true\n";
   return text;
 }
 

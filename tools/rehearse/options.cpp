@@ -91,6 +91,8 @@ void add_model_options(CLI::App& options, UrdfOptions& urdf) {
                    "meshes that can't be loaded are left out, with a warning");
   options.add_flag("--allow-unknown-devices", urdf.allow_unknown_devices,
                    "elements of a body that are no known devices are left out, with a warning each");
+  options.add_flag("--allow-unsupported", urdf.allow_unsupported,
+                   "what a MuJoCo model has beyond this program is left out, with a note each");
   options
       .add_option_function<std::string>(
           "--mesh-up", [&urdf](const std::string& axis) { urdf.mesh_z_up = axis == "z"; },

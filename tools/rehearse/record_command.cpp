@@ -266,13 +266,13 @@ Result<void> check_model_options(const RecordSettings& settings) {
     return error(fmt::format("--controller: '{}' is not NAME=LIB", settings.alone), "LIB alone goes with --model");
   const UrdfOptions& loading = settings.model.urdf;
   const bool has_loading = !loading.packages.empty() || loading.default_mass || loading.allow_missing_meshes ||
-                           loading.allow_unknown_devices || loading.mesh_z_up;
+                           loading.allow_unknown_devices || loading.allow_unsupported || loading.mesh_z_up;
   if (!has_model && (has_loading || !settings.model.solver.empty()))
     return error(
-        "--package, --default-mass, --mesh-up, --allow-missing-meshes, --allow-unknown-devices and --solver go with "
-        "--model",
-        "a scenario states packages, default_mass, mesh_up, allow_missing_meshes and allow_unknown_devices of its "
-        "bodies, and its solver");
+        "--package, --default-mass, --mesh-up, --allow-missing-meshes, --allow-unknown-devices, --allow-unsupported and "
+        "--solver go with --model",
+        "a scenario states packages, default_mass, mesh_up, allow_missing_meshes, allow_unknown_devices and "
+        "allow_unsupported of its bodies, and its solver");
   if (has_model && !settings.values.empty())
     return error("--with and --model: --with goes with a SCENARIO", "--save-scenario FILE makes one of the model");
   if (!has_model && !settings.save_scenario.empty())

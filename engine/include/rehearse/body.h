@@ -1,5 +1,5 @@
 // Choreonoid's body files (.body, .yaml, .yml, and .wrl with a Humanoid of OpenHRP): loads a file into a Model and
-// reports everything that it changes or ignores; and model files of any format by their ending.
+// reports everything that it changes or ignores; and model files of any format.
 //
 // The loader reads the format versions 1.0 to 2.0 with both spellings of keys (jointType, joint_type). Defaults and
 // meanings are those of Choreonoid's loader: angles are in degrees unless angleUnit is radian, a link without any mass
@@ -37,13 +37,14 @@ Result<Model> load_body(const std::filesystem::path& file, const UrdfOptions& op
 /// messages, in Model::source_file, and as the file that paths are relative to.
 Result<Model> parse_body(const std::string& text, const std::string& name, const UrdfOptions& options = {});
 
-/// True if the file is a model: a .urdf or .body by its name, a .yaml, .yml or .wrl by its content.
+/// True if the file is a model: a .urdf or .body by its name, a .yaml, .yml, .wrl or .xml by its content.
 bool is_model_file(const std::filesystem::path& file);
 
-/// load_body() for a file whose name ends with .body, .yaml, .yml or .wrl, else load_urdf().
+/// load_body() for a file whose name ends with .body, .yaml, .yml or .wrl, parse_mjcf() if the root element is
+/// <mujoco>, else load_urdf().
 Result<Model> load_model(const std::filesystem::path& file, const UrdfOptions& options = {});
 
-/// parse_body() for a name with one of these endings, else parse_urdf().
+/// parse_body() for a name with one of these endings, parse_mjcf() if the root element is <mujoco>, else parse_urdf().
 Result<Model> parse_model(const std::string& text, const std::string& name, const UrdfOptions& options = {});
 
 }  // namespace rehearse

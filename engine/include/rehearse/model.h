@@ -236,6 +236,13 @@ struct LoopJoint {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();                // unit vector in the joint's frame
 };
 
+/// A posture that the model's file names.
+struct Posture {
+  std::string name;
+  std::vector<double> q;                       // by joint id [rad] or [m]
+  std::optional<Eigen::Isometry3d> root = {};  // of the root link in the world; nullopt: as Joint::origin
+};
+
 /// True if a joint of this type has a displacement.
 bool is_movable(JointType type);
 
@@ -256,7 +263,8 @@ struct Model {
   std::vector<Device> devices;
   std::vector<std::array<int, 2>> apart;  // pairs of links that never touch each other, the smaller index first, sorted
   std::vector<LoopJoint> loops;
-  std::string source_file;  // as the user named it; empty for a single shape
+  std::vector<Posture> postures;  // in document order
+  std::string source_file;        // as the user named it; empty for a single shape
   std::string source_text;  // for recordings: the bytes of the file and of the model files that it includes; empty for
                             // a single shape
   Diagnostics report;       // the load report: repairs, warnings and notes in document order

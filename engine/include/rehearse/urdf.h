@@ -66,6 +66,7 @@ struct UrdfOptions {
   bool allow_missing_meshes = false;   // a mesh that cannot be loaded is left out, with a warning
   bool mesh_z_up = false;              // glTF meshes have z up, against their standard: they aren't turned
   bool allow_unknown_devices = false;  // of a .body: elements of unknown types are left out, with a warning each
+  bool allow_unsupported = false;      // of a MuJoCo model: what has no counterpart is left out, with a note each
   Meshes meshes = Meshes::load;
   MeshContact contact = MeshContact::automatic;  // of collision meshes; has precedence over the file
   bool fixed_root = false;                  // the caller fixes the root link to the world, so the root needs no mass

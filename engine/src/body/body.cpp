@@ -1,4 +1,5 @@
 #include <rehearse/body.h>
+#include <rehearse/mjcf.h>
 
 #include <fmt/format.h>
 
@@ -87,16 +88,21 @@ bool body::is_body_name(const std::filesystem::path& file) {
 
 bool is_model_file(const std::filesystem::path& file) {
   if (file.extension() == ".body" || file.extension() == ".urdf") return true;
-  const Result<std::string> text = body::is_body_name(file) ? read_mesh_file(file) : Result<std::string>("");
-  return text && describes_body(file, *text);
+  const bool may_be_one = body::is_body_name(file) || file.extension() == ".xml";
+  const Result<std::string> text = may_be_one ? read_mesh_file(file) : Result<std::string>("");
+  return text && (body::is_body_name(file) ? describes_body(file, *text) : is_mjcf(*text));
 }
 
 Result<Model> load_model(const std::filesystem::path& file, const UrdfOptions& options) {
-  return body::is_body_name(file) ? load_body(file, options) : load_urdf(file, options);
+  if (body::is_body_name(file)) return load_body(file, options);
+  const Result<std::string> text = read_mesh_file(file);
+  if (text && is_mjcf(*text)) return parse_mjcf(*text, file.string(), options);
+  return load_urdf(file, options);
 }
 
 Result<Model> parse_model(const std::string& text, const std::string& name, const UrdfOptions& options) {
-  return body::is_body_name(name) ? parse_body(text, name, options) : parse_urdf(text, name, options);
+  if (body::is_body_name(name)) return parse_body(text, name, options);
+  return is_mjcf(text) ? parse_mjcf(text, name, options) : parse_urdf(text, name, options);
 }
 
 }  // namespace rehearse

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -11,6 +10,7 @@
 
 #include "base/names.h"
 #include "base/text.h"
+#include "base/text_bundle.h"
 #include "mesh/mesh_input.h"
 #include "vrml_body.h"
 
@@ -18,27 +18,6 @@ namespace rehearse::body {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view part_mark = "--- # rehearse file ";  // then the size, a blank, the key, the end of the line
-
-/// The parts of a bundle by key, in order; nothing if the text is no bundle.
-std::vector<std::pair<std::string, std::string>> parts_of(std::string_view text) {
-  std::vector<std::pair<std::string, std::string>> parts;
-  std::size_t at = text.find("\n" + std::string(part_mark));
-  if (at == std::string_view::npos) return parts;
-  parts.emplace_back("", text.substr(0, at + 1));
-  for (++at; at < text.size() && text.substr(at).starts_with(part_mark);) {
-    const std::size_t end = text.find('\n', at);
-    if (end == std::string_view::npos) break;
-    const std::string_view head = text.substr(at + part_mark.size(), end - at - part_mark.size());
-    std::size_t size = 0;
-    const auto [rest, bad] = std::from_chars(head.data(), head.data() + head.size(), size);
-    if (bad != std::errc() || rest == head.data() + head.size() || size > text.size() - end - 1) break;
-    parts.emplace_back(std::string(rest + 1, head.data() + head.size()), text.substr(end + 1, size));
-    at = end + 1 + size + 1;
-  }
-  return parts;
-}
 
 /// A path variable at the beginning, as "${SHARE}"; empty: none.
 std::string_view variable_of(std::string_view written) {
@@ -81,7 +60,7 @@ void Document::tell_passed() {
 
 Files::Files(const std::string& text, const std::string& name, const UrdfOptions& options)
     : options_(options), paths_(name, options.packages) {
-  for (auto& [key, part] : parts_of(text)) texts_[key] = std::move(part);
+  for (auto& [key, part] : parts_of_bundle(text)) texts_[key] = std::move(part);
   is_bundle_ = !texts_.empty();
   if (!is_bundle_) texts_[""] = text;
   order_.emplace_back();
@@ -172,13 +151,8 @@ void Files::parse(Document& document, const std::string& text, const YamlAnchors
 
 std::string Files::bundle() const {
   std::string bundle = texts_.at("");
-  for (const std::string& key : order_) {
-    if (key.empty()) continue;
-    const std::string& text = texts_.at(key);
-    if (!bundle.ends_with('\n')) bundle += '\n';
-    bundle += fmt::format("{}{} {}\n{}", part_mark, text.size(), key, text);
-    bundle += '\n';
-  }
+  for (const std::string& key : order_)
+    if (!key.empty()) append_part(bundle, key, texts_.at(key));
   return bundle;
 }
 

@@ -4,238 +4,145 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <memory>
-#include <string_view>
 #include <utility>
 
-#include "base/text.h"
+#include "mesh/mesh_input.h"
+#include "mjcf_bodies.h"
+#include "model/rigid_groups.h"
+#include "urdf/urdf_text.h"
+#include "urdf/urdf_values.h"
 
 namespace rehearse {
 namespace {
 
-using tinyxml2::XMLElement;
+using mjcf::Draft;
+using mjcf::Files;
 
-using Attributes = std::map<std::string, std::string>;
+/// Sections that change nothing of a model here, those that are read, and the rest.
+void check_sections(Files& files) {
+  for (const mjcf::XMLElement* section : files.children(*files.root())) {
+    const std::string_view name = section->Name();
+    if (urdf::is_one_of(name, {"compiler", "default", "asset", "worldbody", "actuator", "sensor", "equality", "contact",
+                               "keyframe"}))
+      continue;
+    if (urdf::is_one_of(name, {"option", "size", "visual", "statistic", "custom"})) {
+      files.ignored(*section, urdf::tag(name));
+    } else if (urdf::is_one_of(name, {"tendon", "deformable", "extension"})) {
+      if (section->FirstChildElement() != nullptr) files.unsupported(*section, urdf::tag(name));
+    } else {
+      files.error(*section, fmt::format("unknown section {} of <mujoco>", urdf::tag(name)),
+                  "compiler, default, asset, worldbody, contact, equality, actuator, sensor or keyframe");
+    }
+  }
+}
 
-/// The attributes that a class states, by the name of the element.
-using DefaultClass = std::map<std::string, Attributes>;
+/// Reads all files into a draft.
+struct Reading {
+  explicit Reading(Files& of) : files(of), classes(of) {
+    classes.read();
+    compiler = read_compiler(files);
+    geoms = std::make_unique<mjcf::Geoms>(files, classes, compiler);
+    geoms->read_assets();
+    mjcf::Bodies(files, classes, compiler, *geoms, draft).read();
+    mjcf::read_actuators(files, classes, compiler, draft);
+  }
 
-constexpr int most_includes = 100;
-
-class DriveReader {
- public:
-  Result<std::vector<MjcfDrive>> read(const std::filesystem::path& file);
-
- private:
-  struct Document {
-    std::string name;
-    std::unique_ptr<tinyxml2::XMLDocument> xml;
-  };
-  /// An element with the attributes of its class.
-  struct Described {
-    const XMLElement& element;
-    const Attributes* defaults = nullptr;
-  };
-
-  void open(const std::filesystem::path& file, const std::string& included_by, int line);
-  void find_includes(const XMLElement& element, const std::filesystem::path& folder);
-  void read_defaults(const XMLElement& element, const DefaultClass& outer, bool is_root);
-  void read_body(const XMLElement& body, std::string childclass);
-  void read_joint(const XMLElement& joint, const std::string& childclass);
-  void read_actuator(const XMLElement& actuator);
-  Described described(const XMLElement& element, const std::string& childclass) const;
-  std::vector<double> numbers(const Described& of, const char* attribute);
-  std::optional<double> number(const Described& of, const char* attribute);
-  std::optional<double> largest(const Described& of, const char* range);
-  void fail(const XMLElement& at, std::string message, std::string hint);
-
-  std::vector<Document> documents_;
-  std::map<std::string, DefaultClass> classes_;
-  std::vector<MjcfDrive> drives_;
-  Diagnostics errors_;
+  Files& files;
+  mjcf::Classes classes;
+  mjcf::Compiler compiler;
+  std::unique_ptr<mjcf::Geoms> geoms;
+  Draft draft;
 };
 
-std::string attribute_of(const XMLElement& element, const char* name) {
-  const char* text = element.Attribute(name);
-  return text ? text : "";
-}
-
-void DriveReader::fail(const XMLElement& at, std::string message, std::string hint) {
-  Diagnostic finding = error(std::move(message), std::move(hint));
-  for (const Document& document : documents_)
-    if (document.xml.get() == at.GetDocument()) finding.file = document.name;
-  finding.line = at.GetLineNum();
-  errors_.push_back(std::move(finding));
-}
-
-void DriveReader::open(const std::filesystem::path& file, const std::string& included_by, int line) {
-  const auto refuse = [&](std::string message, std::string hint, int at) {
-    Diagnostic finding = error_in(file.string(), std::move(message), std::move(hint));
-    finding.line = at;
-    if (!included_by.empty()) finding.hint += fmt::format(" (included by {}:{})", included_by, line);
-    errors_.push_back(std::move(finding));
-  };
-  if (documents_.size() >= most_includes)
-    return refuse("too many files are included", fmt::format("expected at most {}", most_includes), 0);
-  auto xml = std::make_unique<tinyxml2::XMLDocument>();
-  if (xml->LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS)
-    return refuse(fmt::format("it can't be read as XML ({})", xml->ErrorName()), "expected a MuJoCo model",
-                  xml->ErrorLineNum());
-  const XMLElement* root = xml->RootElement();
-  const std::string_view name = root ? root->Name() : "";
-  if (name != "mujoco" && (included_by.empty() || name != "mujocoinclude"))
-    return refuse(fmt::format("its root is <{}>", name), "expected a MuJoCo model, <mujoco>",
-                  root ? root->GetLineNum() : 0);
-  documents_.push_back({file.string(), std::move(xml)});
-  find_includes(*root, file.parent_path());
-}
-
-void DriveReader::find_includes(const XMLElement& element, const std::filesystem::path& folder) {
-  const std::string file = documents_.back().name;
-  for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) == "include")
-      open(folder / attribute_of(*child, "file"), file, child->GetLineNum());
-    else
-      find_includes(*child, folder);
+/// Gives the links between the joints of a body a share of the mass and inertia of what that body carries: the physics
+/// needs a mass of each link that moves.
+void give_masses_between(const Draft& draft, double share, Model& model) {
+  for (const std::string& name : draft.between) {
+    Inertial& inertial = model.links[static_cast<std::size_t>(model.find_link(name))].inertial;
+    inertial = Inertial();
+  }
+  const RigidGroups groups = group_links(model);
+  for (const std::string& name : draft.between) {
+    const int link = model.find_link(name);
+    int body = link;  // the one with all joints
+    while (std::ranges::find(draft.between, model.links[static_cast<std::size_t>(body)].name) != draft.between.end())
+      body = static_cast<int>(std::ranges::find(model.links, body, &Link::parent) - model.links.begin());
+    const auto group = static_cast<std::size_t>(groups.links[static_cast<std::size_t>(body)].group);
+    const Inertial& carried = groups.inertials[group];
+    Inertial& inertial = model.links[static_cast<std::size_t>(link)].inertial;
+    inertial.mass = share * carried.mass;
+    inertial.inertia = share * principal_moments(carried.inertia).z() * Eigen::Matrix3d::Identity();
   }
 }
 
-void DriveReader::read_defaults(const XMLElement& element, const DefaultClass& outer, bool is_root) {
-  DefaultClass own = outer;
-  std::string name = attribute_of(element, "class");
-  if (name.empty() && is_root) name = "main";
-  if (is_root && classes_.count(name)) own = classes_[name];
-  for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
-    for (const auto* attribute = child->FirstAttribute(); attribute; attribute = attribute->Next())
-      if (std::string_view(child->Name()) != "default") own[child->Name()][attribute->Name()] = attribute->Value();
-  if (name.empty()) return fail(element, "a class of defaults has no name", "class names it");
-  classes_[name] = own;
-  for (const XMLElement* child = element.FirstChildElement("default"); child;
-       child = child->NextSiblingElement("default"))
-    read_defaults(*child, own, false);
+/// Checks the model's masses as those of a URDF.
+void complete(Model& model, const Draft& draft, const UrdfOptions& options, urdf::Findings& findings) {
+  const urdf::MassHints hints{"give it an <inertial>, or geoms with a mass", {}};
+  give_masses_between(draft, 1.0, model);  // so that the checks find what moves in them
+  urdf::complete_masses(model, options, findings, hints);
+  urdf::repair_inertias(model, options, findings);
+  urdf::check_dynamics(model, options, findings);
+  constexpr double small = 1e-9;
+  give_masses_between(draft, small, model);
 }
 
-DriveReader::Described DriveReader::described(const XMLElement& element, const std::string& childclass) const {
-  Described found{element};
-  std::string name = attribute_of(element, "class");
-  if (name.empty()) name = childclass.empty() ? "main" : childclass;
-  if (const auto of_class = classes_.find(name); of_class != classes_.end())
-    if (const auto defaults = of_class->second.find(element.Name()); defaults != of_class->second.end())
-      found.defaults = &defaults->second;
-  return found;
-}
-
-/// None, with an error, if any is no number.
-std::vector<double> DriveReader::numbers(const Described& of, const char* attribute) {
-  std::string text = attribute_of(of.element, attribute);
-  if (text.empty() && of.defaults)
-    if (const auto found = of.defaults->find(attribute); found != of.defaults->end()) text = found->second;
-  std::vector<double> values;
-  std::string_view rest = text;
-  constexpr std::string_view blanks = " \t\r\n";
-  while ((rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size())), !rest.empty())) {
-    const std::string_view word = rest.substr(0, rest.find_first_of(blanks));
-    const auto value = number_in<double>(word);
-    if (!value || !std::isfinite(*value)) {
-      fail(of.element, fmt::format("{} of <{}> is '{}'", attribute, of.element.Name(), text), "expected numbers");
-      return {};
-    }
-    values.push_back(*value);
-    rest.remove_prefix(word.size());
-  }
-  return values;
-}
-
-std::optional<double> DriveReader::number(const Described& of, const char* attribute) {
-  const std::vector<double> values = numbers(of, attribute);
-  return values.empty() ? std::nullopt : std::optional(values.front());
-}
-
-/// The largest magnitude of a range that limits anything.
-std::optional<double> DriveReader::largest(const Described& of, const char* range) {
-  const std::vector<double> values = numbers(of, range);
-  if (values.size() != 2 || values[0] >= values[1]) return std::nullopt;
-  return std::max(std::abs(values[0]), std::abs(values[1]));
-}
-
-std::optional<double> without_zero(std::optional<double> value) {
-  return value && *value != 0.0 ? value : std::nullopt;
-}
-
-std::optional<double> smaller(std::optional<double> one, std::optional<double> other) {
-  return one && other ? std::min(*one, *other) : one ? one : other;
-}
-
-void DriveReader::read_joint(const XMLElement& joint, const std::string& childclass) {
-  const Described of = described(joint, childclass);
-  std::string type = attribute_of(joint, "type");
-  if (type.empty() && of.defaults && of.defaults->count("type")) type = of.defaults->at("type");
-  const std::string name = attribute_of(joint, "name");
-  if (name.empty() || type == "free" || type == "ball") return;
-  MjcfDrive& drive = drives_.emplace_back();
-  drive.joint = name;
-  drive.damping = without_zero(number(of, "damping"));
-  drive.coulomb = without_zero(number(of, "frictionloss"));
-  drive.armature = without_zero(number(of, "armature"));
-  drive.effort = largest(of, "actuatorfrcrange");
-}
-
-void DriveReader::read_body(const XMLElement& body, std::string childclass) {
-  if (const std::string own = attribute_of(body, "childclass"); !own.empty()) childclass = own;
-  for (const XMLElement* child = body.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    const std::string_view name = child->Name();
-    if (name == "joint") read_joint(*child, childclass);
-    if (name == "body" || name == "frame") read_body(*child, childclass);
-  }
-}
-
-void DriveReader::read_actuator(const XMLElement& actuator) {
-  const std::string name = attribute_of(actuator, "joint");
-  if (name.empty()) return;  // of a tendon or a site
-  const auto found = std::ranges::find_if(drives_, [&](const MjcfDrive& drive) { return drive.joint == name; });
-  if (found == drives_.end())
-    return fail(actuator, fmt::format("an actuator drives joint '{}', which the model lacks", name),
-                "joint names a hinge or a slide of <worldbody>");
-  const Described of = described(actuator, "");
-  const double gear = number(of, "gear").value_or(1.0), squared = gear * gear;
-  const std::string_view kind = actuator.Name();
-  std::optional<double> force = largest(of, "forcerange");
-  if (kind == "motor") force = smaller(force, largest(of, "ctrlrange"));
-  if (force) found->effort = smaller(found->effort, std::abs(gear) * *force);
-  if (kind == "position") {
-    found->position_gain = squared * number(of, "kp").value_or(1.0);
-    if (const auto kv = without_zero(number(of, "kv"))) found->velocity_gain = squared * *kv;
-  } else if (kind == "velocity") {
-    found->velocity_gain = squared * number(of, "kv").value_or(1.0);
-  } else if (kind == "general") {
-    const std::vector<double> bias = numbers(of, "biasprm");
-    if (bias.size() > 1 && bias[1] != 0.0) found->position_gain = -squared * bias[1];
-    if (bias.size() > 2 && bias[2] != 0.0) found->velocity_gain = -squared * bias[2];
-  }
-}
-
-Result<std::vector<MjcfDrive>> DriveReader::read(const std::filesystem::path& file) {
-  open(file, "", 0);
-  const auto each = [&](const char* section, const auto& use) {
-    for (const Document& document : documents_)
-      for (const XMLElement* found = document.xml->RootElement()->FirstChildElement(section); found;
-           found = found->NextSiblingElement(section))
-        use(*found);
-  };
-  each("default", [&](const XMLElement& found) { read_defaults(found, {}, true); });
-  each("worldbody", [&](const XMLElement& found) { read_body(found, ""); });
-  each("actuator", [&](const XMLElement& found) {
-    for (const XMLElement* child = found.FirstChildElement(); child; child = child->NextSiblingElement())
-      if (std::string_view(child->Name()) != "include") read_actuator(*child);
-  });
-  if (!errors_.empty()) return errors_;
-  return std::move(drives_);
+std::optional<Model> read_model(Files& files, const std::string& name) {
+  check_sections(files);
+  Reading reading(files);
+  Draft& draft = reading.draft;
+  mjcf::read_sensors(files, draft);
+  mjcf::read_equalities(files, reading.classes, draft);
+  if (draft.tree.links.size() > max_urdf_links)
+    files.main_findings().error(
+        0, fmt::format("the model has {} links, more than {}", draft.tree.links.size(), max_urdf_links));
+  const char* written = files.root()->Attribute("model");
+  draft.tree.name = written && *written ? printable(written) : std::filesystem::path(name).stem().string();
+  if (files.has_error()) return std::nullopt;
+  urdf::Findings& findings = files.main_findings();
+  std::optional<Model> model = urdf::join(draft.tree, findings);
+  if (!model) return std::nullopt;
+  Joint& root = model->links.front().joint;
+  root.type = draft.root_is_free ? JointType::free : JointType::fixed;
+  root.origin = draft.root_origin;
+  mjcf::apply_contact_rules(files, draft, *model);
+  mjcf::read_keyframes(files, draft, *model);
+  complete(*model, draft, files.options(), findings);
+  if (!files.skips_meshes()) reading.geoms->prepare_contacts(*model);
+  return model;
 }
 
 }  // namespace
 
-Result<std::vector<MjcfDrive>> load_mjcf_drives(const std::filesystem::path& file) { return DriveReader().read(file); }
+bool is_mjcf(std::string_view text) {
+  std::string_view rest = text.substr(urdf::end_of_prolog(text));
+  constexpr std::string_view begin = "<mujoco";
+  if (!rest.starts_with(begin)) return false;
+  rest.remove_prefix(begin.size());
+  return rest.empty() || std::string_view(" \t\r\n/>").find(rest.front()) != std::string_view::npos;
+}
+
+Result<Model> parse_mjcf(const std::string& text, const std::string& name, const UrdfOptions& options) {
+  REHEARSE_ASSERT(options.default_mass.value_or(1.0) > 0.0, "a default mass is above 0");
+  Files files(text, name, options);
+  std::optional<Model> model;
+  if (files.root() != nullptr) model = read_model(files, name);
+  if (files.has_error()) return files.errors();
+  REHEARSE_ASSERT(model.has_value(), "a model that can't be read has an error");
+  model->source_file = name;
+  model->source_text = files.bundle();
+  model->report = files.report();
+  return std::move(*model);
+}
+
+Result<std::vector<MjcfDrive>> load_mjcf_drives(const std::filesystem::path& file) {
+  const std::string text = REHEARSE_TRY(read_mesh_file(file));
+  const UrdfOptions options{.allow_unsupported = true, .meshes = UrdfOptions::Meshes::skip};
+  Files files(text, file.string(), options);
+  if (files.root() == nullptr) return files.errors();
+  const Reading reading(files);
+  if (files.has_error()) return files.errors();
+  return reading.draft.drives;
+}
 
 }  // namespace rehearse

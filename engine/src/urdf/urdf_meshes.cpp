@@ -36,7 +36,7 @@ std::optional<Mesh> Meshes::read(XMLElement& element, Use use) {
   if (!file || !scale) return std::nullopt;
   Mesh mesh{nullptr, nullptr, *file, *scale, nullptr, stated_contact(element), element.GetLineNum()};
   if (options_.meshes == UrdfOptions::Meshes::skip) return mesh;
-  return load(element, std::move(mesh), use);
+  return load(std::move(mesh), use);
 }
 
 std::optional<Eigen::Vector3d> Meshes::read_scale(XMLElement& element) {
@@ -58,8 +58,8 @@ std::optional<Eigen::Vector3d> Meshes::read_scale(XMLElement& element) {
   return std::nullopt;
 }
 
-std::optional<Mesh> Meshes::load(const XMLElement& element, Mesh mesh, Use use) {
-  const int line = element.GetLineNum();
+std::optional<Mesh> Meshes::load(Mesh mesh, Use use) {
+  const int line = mesh.line;
   const Result<MeshPlace> place = paths_.find(mesh.file);
   if (!place) {
     refuse(line, mesh.file, place.errors().front(), false);
@@ -108,7 +108,7 @@ void Meshes::prepare_contacts(Model& model) {
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     for (Shape& shape : model.links[i].collisions) {
       auto* mesh = std::get_if<Mesh>(&shape.geometry);
-      if (!mesh || !mesh->data) continue;
+      if (!mesh || !mesh->data || mesh->hulls) continue;
       const MeshContact contact = contact_of(*mesh, is_fixed && groups.links[i].group == 0);
       if (contact != MeshContact::triangles) take_hulls(*mesh, contact);
     }

@@ -29,17 +29,19 @@ class Meshes {
   /// repaired in the document, too, because urdfdom refuses it.
   std::optional<Mesh> read(tinyxml2::XMLElement& element, Use use);
 
+  /// The mesh with the triangles of its file, found by its name and line; nullopt likewise.
+  std::optional<Mesh> load(Mesh mesh, Use use);
+
   /// The texture in that element's `filename`; null with a warning if it can't be used, or if meshes are skipped.
   std::shared_ptr<const Texture> read_texture(const tinyxml2::XMLElement& element);
 
-  /// Sets Mesh::hulls of the collision meshes, where contacts don't take them for triangles. An error for a mesh that
-  /// can't be used.
+  /// Sets Mesh::hulls of the collision meshes, where contacts don't take them for triangles and no hulls are there yet.
+  /// An error for a mesh that can't be used.
   void prepare_contacts(Model& model);
 
  private:
   MeshSelection selection() const { return {.z_up = options_.mesh_z_up}; }
   std::optional<Eigen::Vector3d> read_scale(tinyxml2::XMLElement& element);
-  std::optional<Mesh> load(const tinyxml2::XMLElement& element, Mesh mesh, Use use);
   MeshContact contact_of(const Mesh& mesh, bool never_moves);
   void take_hulls(Mesh& mesh, MeshContact contact);
   void refuse(int line, const std::string& file, const Diagnostic& reason, bool is_found);

@@ -11,20 +11,9 @@
 #include "urdf_values.h"
 
 namespace rehearse::urdf {
-namespace {
 
-using tinyxml2::XMLDocument;
-using tinyxml2::XMLElement;
-using tinyxml2::XMLNode;
-
-constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
-
-int line_at(std::string_view text, std::size_t position) {
-  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
-}
-
-/// Position of the first character in the text that is neither blank nor part of a declaration or a comment.
 std::size_t end_of_prolog(std::string_view text) {
+  constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
   std::size_t position = text.starts_with(utf8_mark) ? utf8_mark.size() : 0;
   while (true) {
     position = std::min(text.find_first_not_of(blanks, position), text.size());
@@ -35,6 +24,16 @@ std::size_t end_of_prolog(std::string_view text) {
     if (end == std::string_view::npos) return position;
     position = end + closing.size();
   }
+}
+
+namespace {
+
+using tinyxml2::XMLDocument;
+using tinyxml2::XMLElement;
+using tinyxml2::XMLNode;
+
+int line_at(std::string_view text, std::size_t position) {
+  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
 }
 
 void find_merge_marker(std::string_view text, Findings& findings) {
@@ -186,7 +185,7 @@ bool text_is_sound(std::string_view text, Findings& findings) {
   return !findings.has_error();
 }
 
-XMLElement* parse_xml(std::string_view text, XMLDocument& document, Findings& findings) {
+XMLElement* parse_root(std::string_view text, XMLDocument& document, Findings& findings) {
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     findings.error(document.ErrorLineNum(), describe(document.ErrorID()));
     return nullptr;
@@ -196,15 +195,22 @@ XMLElement* parse_xml(std::string_view text, XMLDocument& document, Findings& fi
     findings.error(0, "the file has no element");
     return nullptr;
   }
+  for (const XMLNode* node = root->NextSibling(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToElement() == nullptr && node->ToText() == nullptr) continue;
+    findings.error(node->GetLineNum(), fmt::format("the file continues after </{}>", printable(root->Name())),
+                   "a file describes one robot");
+    break;
+  }
+  return root;
+}
+
+XMLElement* parse_xml(std::string_view text, XMLDocument& document, Findings& findings) {
+  XMLElement* root = parse_root(text, document, findings);
+  if (root == nullptr) return nullptr;
   if (std::string_view(root->Name()) != "robot") {
     findings.error(root->GetLineNum(), fmt::format("the file's element is {}", tag(root->Name())),
                    "a URDF file has one element <robot name=\"...\">");
     return nullptr;
-  }
-  for (const XMLNode* node = root->NextSibling(); node != nullptr; node = node->NextSibling()) {
-    if (node->ToElement() == nullptr && node->ToText() == nullptr) continue;
-    findings.error(node->GetLineNum(), "the file continues after </robot>", "a file describes one robot");
-    break;
   }
   if (const XMLElement* xacro = find_xacro(*root)) {
     findings.error(xacro->GetLineNum(), "this is a xacro file that hasn't been expanded",

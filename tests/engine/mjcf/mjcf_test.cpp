@@ -39,7 +39,7 @@ class Mjcf : public ::testing::Test {
 
 TEST_F(Mjcf, TakesWhatAJointStates) {
   const auto found = drives(R"(<mujoco><worldbody><body><joint name="knee" damping="0.5" frictionloss="0.2"
-    armature="0.01" actuatorfrcrange="-23.7 20"/></body><body><freejoint name="f"/><joint name="b" type="ball"/>
+    armature="0.01" actuatorfrcrange="-23.7 20"/></body><body><freejoint name="f"/></body><body><joint name="b" type="ball"/>
     <joint name="hip" range="-1 1"/></body></worldbody></mujoco>)");
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].joint, "knee");
@@ -77,7 +77,7 @@ TEST_F(Mjcf, PutsGainsAndForcesBehindTheGear) {
   const auto found =
       drives(R"(<mujoco><worldbody><body><joint name="a"/><joint name="b"/><joint name="c"/></body></worldbody>
   <actuator><position joint="a" kp="10" kv="0.5" forcerange="-3 3" gear="2 0 0 0 0 0"/><velocity joint="b" kv="4"/>
-  <general joint="c" gainprm="60" biasprm="0 -60 -2" forcerange="-30 30"/></actuator></mujoco>)");
+  <general joint="c" gainprm="60" biastype="affine" biasprm="0 -60 -2" forcerange="-30 30"/></actuator></mujoco>)");
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[0].position_gain, 40.0);
   EXPECT_EQ(found[0].velocity_gain, 2.0);
@@ -98,15 +98,15 @@ TEST_F(Mjcf, ReadsIncludedFiles) {
 }
 
 TEST_F(Mjcf, MistakesHaveTheirPlace) {
-  EXPECT_THAT(mistake("<mujoco>\n<worldbody>"), ::testing::HasSubstr("it can't be read as XML"));
+  EXPECT_THAT(mistake("<mujoco>\n<worldbody>"), ::testing::HasSubstr("isn't closed by its own end tag"));
   EXPECT_THAT(mistake("<robot/>"), ::testing::StartsWith("robot.xml:1: error: its root is <robot> (expected a MuJoCo"));
-  EXPECT_THAT(mistake("<mujoco><worldbody>\n<joint name=\"a\" damping=\"x\"/></worldbody></mujoco>"),
+  EXPECT_THAT(mistake("<mujoco><worldbody><body>\n<joint name=\"a\" damping=\"x\"/></body></worldbody></mujoco>"),
               ::testing::StartsWith("robot.xml:2: error: damping of <joint> is 'x' (expected numbers)"));
-  EXPECT_THAT(mistake("<mujoco><worldbody/><actuator>\n<motor joint=\"k\"/></actuator></mujoco>"),
+  EXPECT_THAT(mistake("<mujoco><worldbody><body/></worldbody><actuator>\n<motor joint=\"k\"/></actuator></mujoco>"),
               ::testing::StartsWith("robot.xml:2: error: an actuator drives joint 'k', which the model lacks"));
   EXPECT_THAT(mistake("<mujoco><include file=\"none.xml\"/></mujoco>"), ::testing::Not("none"));
   EXPECT_THAT(mistake("<mujoco><include file=\"robot.xml\"/></mujoco>"),
-              ::testing::HasSubstr("too many files are included (expected at most 100"));
+              ::testing::HasSubstr("the file includes itself as 'robot.xml'"));
 }
 
 }  // namespace

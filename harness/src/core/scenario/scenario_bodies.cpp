@@ -13,11 +13,22 @@
 #include <map>
 #include <tuple>
 
+#include "base/names.h"
+
 namespace rehearse {
 namespace {
 
 // The keys for the shape of a body; at most one of them may be given.
 constexpr std::array<std::string_view, 5> model_keys{"model", "box", "sphere", "cylinder", "heightmap"};
+
+/// The posture of the body's model that its keys name; null: none.
+const Posture* find_posture(const Keys& keys, const ScenarioBody& body) {
+  const YamlNode* node = keys.find("posture");
+  if (node == nullptr) return nullptr;
+  for (const Posture& posture : body.model->postures)
+    if (posture.name == node->text) return &posture;
+  return nullptr;
+}
 
 // Reads one body after the other, and each model file once for all bodies with the same settings.
 class BodyReader {
@@ -48,6 +59,7 @@ class BodyReader {
   std::optional<Checker> read_checker(const YamlNode& node);
   void make_shape(const Keys& keys, std::string_view kind, const YamlNode& shape, ScenarioBody& body);
   void place_as_model(ScenarioBody& body);
+  void check_posture(const Keys& keys, const ScenarioBody& body);
   void check_root(const Keys& keys, ScenarioBody& body);
   void read_velocities(const Keys& keys, ScenarioBody& body);
   std::optional<Surface> read_surface(const Keys& keys);
@@ -58,9 +70,9 @@ class BodyReader {
   Scenario& scenario_;
   // By file: the packages of its first body.
   std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;
-  // by file, fixed, kinematic, default mass, missing meshes, unknown devices, the meshes' up axis and contact; null:
-  // loading failed, and this was reported
-  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool, bool, bool, MeshContact>,
+  // by file, fixed, kinematic, default mass, missing meshes, unknown devices, unsupported parts, the meshes' up axis
+  // and contact; null: loading failed, and this was reported
+  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool, bool, bool, bool, MeshContact>,
            std::shared_ptr<const Model>>
       models_;
 };
@@ -80,25 +92,42 @@ void BodyReader::read(const YamlNode& node) {
                       "a kinematic body reaches its commands in the step");
   if (const YamlNode* packages = keys.find("packages")) read_packages(*packages, body);
   read_model(keys, body);
-  if (body.model != nullptr) place_as_model(body);
+  if (body.model != nullptr) {
+    place_as_model(body);
+    check_posture(keys, body);
+  }
   if (const YamlNode* belts = keys.find("belts"); belts && body.model) read_belts(findings_, *belts, body);
   const YamlNode* links = keys.find("links");
   if (body.model && links) read_links(findings_, *links, scenario_.solver, body);
   if (body.model) state_links(findings_, links ? *links : keys.absent_map("links"), scenario_.solver, *body.model);
   if (const YamlNode* sensors = keys.find("sensors"); sensors && body.model) read_sensors(findings_, *sensors, body);
+  if (const Posture* posture = body.model ? find_posture(keys, body) : nullptr; posture && posture->root) {
+    body.position = posture->root->translation();
+    body.rotation = Eigen::Quaterniond(posture->root->linear()).normalized();
+  }
   keys.read("position", body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
   if (body.model != nullptr) {
     check_root(keys, body);
     check_contact(keys, body);
-    read_joints(findings_, node, keys.find("joints"), body);
+    read_joints(findings_, node, keys.find("joints"), find_posture(keys, body), body);
     read_velocities(keys, body);
     if (const YamlNode* actuators = keys.find("actuators")) read_actuators(findings_, *actuators, body);
   }
   if (const YamlNode* controllers = keys.find("controllers"))
     read_controllers(findings_, *controllers, body, scenario_.file);
   scenario_.bodies.push_back(std::move(body));
+}
+
+void BodyReader::check_posture(const Keys& keys, const ScenarioBody& body) {
+  const YamlNode* node = keys.find("posture");
+  if (node == nullptr || body.model_file.empty() || find_posture(keys, body) != nullptr) return;
+  std::vector<std::string> names;
+  for (const Posture& posture : body.model->postures) names.push_back(posture.name);
+  findings_.error(*node, fmt::format("the model has no posture '{}'", shortened(node->text, 100)),
+                  names.empty() ? "a <key name=\"...\" qpos=\"...\"> of a MuJoCo model is one"
+                                : name_hint(node->text, names, "postures"));
 }
 
 void BodyReader::read_name(const Keys& keys, ScenarioBody& body) {
@@ -172,6 +201,8 @@ void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
       {"default_mass", "is", "the mass of a shape is stated by mass"},
       {"allow_missing_meshes", "is", "it leaves out the shapes of missing meshes"},
       {"allow_unknown_devices", "is", "it leaves out the devices of a .body that no plugin reads"},
+      {"allow_unsupported", "is", "it leaves out what a MuJoCo model has beyond this program"},
+      {"posture", "is", "it is one of a model's keyframes"},
       {"mesh_up", "is", "it states the axis that glTF meshes have up"},
   };
   for (const auto& [key, verb, hint] : of_a_file)
@@ -181,7 +212,7 @@ void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
 
 void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
   if (const auto file =
-          read_text(findings_, node, "model", "the path of a URDF or .body file, relative to the scenario")) {
+          read_text(findings_, node, "model", "the path of a URDF, .body or MuJoCo file, relative to the scenario")) {
     UrdfOptions options;
     options.fixed_root = body.fixed;
     options.kinematic = body.kinematic;
@@ -208,7 +239,7 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
                     "a recording contains a model once: give both bodies the same packages");
   const auto [known, is_new] = models_.emplace(
       std::tuple(file, options.fixed_root, options.kinematic, options.default_mass, options.allow_missing_meshes,
-                 options.allow_unknown_devices, options.mesh_z_up, options.contact),
+                 options.allow_unknown_devices, options.allow_unsupported, options.mesh_z_up, options.contact),
       nullptr);
   if (!is_new) return known->second;
   Result<Model> model = source_(file, options);

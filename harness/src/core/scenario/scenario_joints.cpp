@@ -171,10 +171,12 @@ void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBod
   JointReader(findings, body).read_velocities(node);
 }
 
-void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body) {
+void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, const Posture* posture,
+                 ScenarioBody& body) {
   body.joints.clear();
   for (const int link : body.model->joints)
     body.joints.push_back(body.model->links[static_cast<std::size_t>(link)].joint.start);
+  if (posture != nullptr) body.joints = posture->q;
   JointReader reader(findings, body);
   if (node != nullptr) reader.read(*node);
   reader.place_within_limits(body_node);

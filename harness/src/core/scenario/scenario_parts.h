@@ -39,7 +39,9 @@ void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& bo
 /// Initial displacements: a map by name or a list by joint id; null: none is given. A displacement that isn't given is
 /// 0; if 0 is outside of the limits, it is the nearest limit, with a warning. Sets body.joints, and warns of
 /// displacements outside of their limits. `body_node` is the node of the whole body; body.model must not be null.
-void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body);
+/// `posture`: the displacements of joints that `node` doesn't state; null: those of the model.
+void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, const Posture* posture,
+                 ScenarioBody& body);
 
 /// Initial velocities of joints, a map by name. body.model must not be null.
 void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBody& body);

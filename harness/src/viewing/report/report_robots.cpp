@@ -110,6 +110,7 @@ std::shared_ptr<const Model> RobotWriter::with_meshes(const ScenarioBody& body) 
   UrdfOptions options;
   options.allow_missing_meshes = true;
   options.allow_unknown_devices = true;
+  options.allow_unsupported = true;
   options.fixed_root = body.fixed;
   options.kinematic = body.kinematic;
   for (const auto& [name, folder] : body.packages) options.packages[name] = file->parent_path() / folder;
