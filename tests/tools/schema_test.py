@@ -150,7 +150,7 @@ def check_broken_scenarios(schemas):
 
 
 # Maps and noise floors with a mistake of shape; the others depend on a log, a model, or another key.
-BROKEN_MAPS = """a_list a_scenario another_version camera_interpolated camera_without_pictures clock_of_the_wall
+BROKEN_MAPS = """a_list a_scenario angles_in_turns another_version camera_interpolated camera_without_pictures clock_of_the_wall
 commands_max_age commands_of_another_quantity commands_shift_of_seconds controller_delay controller_library controller_text
 device_of_none empty imu_text imu_without_device joint_offset_with_unit joint_without_name joints_unknown_key joystick_axis_number
 joystick_axis_unknown joystick_button_unknown joystick_buttons_list max_age_zero names_a_list no_time_step no_version

@@ -134,7 +134,7 @@ const Form& topic_form() {
                "a topic of a log",
                {member("topic", types::string()), member("type", types::string()), member("use", types::string())}};
     for (const std::string_view count :
-         {"messages", "used", "skipped", "out_of_order", "same_stamp", "backwards", "unreadable"})
+         {"messages", "used", "skipped", "out_of_order", "same_stamp", "backwards", "twins", "unreadable"})
       topic.keys.push_back(member(count, types::count()));
     topic.keys.push_back(member("unreadable_for", types::array(types::of(unreadable_form))));
     topic.keys.push_back(member("silent_joints", types::array(types::of(silent_joint_form))));
@@ -190,7 +190,7 @@ const Form& certain_form() {
                          "the certain ticks",
                          {member("memory", types::nullable(types::count())), member("ticks", types::count()),
                           member("different", types::count()), member("beyond", difference_type()),
-                          member("rest", types::nullable(types::of(rest_form)))}};
+                          member("is_no_state", types::flag()), member("rest", types::nullable(types::of(rest_form)))}};
   return form;
 }
 

@@ -104,6 +104,11 @@ std::string verdict_of_difference(const LogReplayReport& report) {
     return timing_text(report) + "differs from the log's commands at " +
            difference_text(report, *report.beyond, report.beyond_at);
   const LogStretches& certain = *report.certain;
+  if (certain.is_no_state)
+    return fmt::format(
+        "differs from the log's commands at {}, and no state that the log lacks explains it: the "
+        "difference grows where that of two controllers with different states doesn't",
+        difference_text(report, *certain.beyond, certain.beyond_at));
   if (certain.beyond)
     return fmt::format("differs from the log's commands at {}; it is the first of {} that differ and are certain",
                        difference_text(report, *certain.beyond, certain.beyond_at),
@@ -169,6 +174,7 @@ Json topic_json(const LogTopicReport& topic) {
           {"out_of_order", topic.out_of_order},
           {"same_stamp", topic.same_stamp},
           {"backwards", topic.backwards},
+          {"twins", topic.twins},
           {"unreadable", topic.unreadable},
           {"unreadable_for", unreadable_json(topic)},
           {"silent_joints", silent_json(topic)},
@@ -219,6 +225,7 @@ Json certain_json(const LogReplayReport& report) {
           {"ticks", certain.compared},
           {"different", certain.different},
           {"beyond", json_of(certain.beyond)},
+          {"is_no_state", certain.is_no_state},
           {"rest", rest_json(certain)}};
 }
 
@@ -276,6 +283,7 @@ std::string troubles(const LogTopicReport& topic) {
   if (topic.out_of_order > 0) words.push_back(fmt::format("{} out of order", topic.out_of_order));
   if (topic.backwards > 0) words.push_back(fmt::format("{} back in time, not used", topic.backwards));
   if (topic.same_stamp > 0) words.push_back(fmt::format("{} with the time of the one before", topic.same_stamp));
+  if (topic.twins > 0) words.push_back(fmt::format("{} recorded twice, used once", topic.twins));
   if (topic.unreadable > 0) words.push_back(fmt::format("{} unreadable", topic.unreadable));
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : "; ") + word;

@@ -43,7 +43,7 @@ class FeedTest : public ::testing::Test {
     auto map = LogMap::parse("rehearse_map: 1\ntime_step: 0.01\n" + lines, "map.yaml", model_, topics_);
     ASSERT_TRUE(map.ok()) << to_string(map.errors());
     map_ = *std::move(map);
-    if (!map_.joints.empty()) feed_ = make_joint_feed(map_.joints[0], model_, schema(map_.joints[0].topic));
+    if (!map_.joints.empty()) feed_ = make_joint_feed(map_.joints[0], {}, model_, schema(map_.joints[0].topic));
     if (map_.root) feed_ = make_root_feed(*map_.root, schema(map_.root->topic));
     if (map_.joystick) feed_ = make_joy_feed(*map_.joystick, schema(map_.joystick->topic));
     if (!map_.devices.empty())

@@ -1,5 +1,6 @@
 #include "kinds.h"
 
+#include <limits>
 #include <numbers>
 
 #include "../bag/bag_files.h"
@@ -41,6 +42,8 @@ Logged message_at(const std::string& topic, std::int64_t time) {
 }
 
 void change_commands(std::vector<Logged>& commands, Change change) {
+  if (change == Change::swapped)
+    for (Logged& command : commands) std::ranges::reverse(command.joints.effort);
   for (std::size_t i = commands.size(); i-- > 0;)
     for (std::size_t j = 0; j < commands[i].joints.effort.size(); ++j) {
       double& effort = commands[i].joints.effort[j];
@@ -95,7 +98,7 @@ Plan::Plan(Chance& numbers) : chance(numbers) {
 }
 
 std::string_view name_of(Change change) {
-  constexpr std::string_view names[] = {"same", "gain", "sign", "late"};
+  constexpr std::string_view names[] = {"same", "gain", "sign", "swapped", "late"};
   return names[static_cast<std::size_t>(change)];
 }
 
@@ -110,7 +113,8 @@ Log run(const Plan& plan, const std::string& controller, Change change) {
       const auto [q, dq] = motion(j, time, plan.chance);
       Logged& message = j == 1 && plan.tilt_every > 0 ? of_tilt : state;
       message.joints.name.push_back(joints[j]);
-      message.joints.position.push_back(q);
+      const bool is_nan = plan.nan_at > 0 && i == plan.nan_at && joints[j] == "TILT";
+      message.joints.position.push_back(is_nan ? std::numeric_limits<double>::quiet_NaN() : q + plan.turns);
       message.joints.velocity.push_back(dq);
     }
     if (plan.tilt_every > 0 && i % plan.tilt_every == 0) log.others.push_back(of_tilt);

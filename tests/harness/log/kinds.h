@@ -34,6 +34,8 @@ struct Plan {
   std::string options;                // of the controller
   /// A message of TILT for so many of PAN: each has its own topic. 0: one topic has both.
   std::size_t tilt_every = 0;
+  double turns = 0.0;            // added to each displacement [rad]
+  std::size_t nan_at = 0;        // the message in which the displacement of TILT is NaN; 0: none
   bool publishes_state = false;  // after each command, on /state
 };
 
@@ -69,8 +71,7 @@ struct Log {
 };
 
 /// Changes of the controller that made the log, against the one that the log is fed to.
-enum class Change { none, gain, sign, late };
-inline constexpr Change changes[] = {Change::none, Change::gain, Change::sign, Change::late};
+enum class Change { none, gain, sign, swapped, late };
 std::string_view name_of(Change change);
 
 /// Runs the robot with the controller of ServoWith_NAME.
@@ -89,6 +90,13 @@ struct Kind {
   const char* changed;         // and of the changed ones
   const char* late = nullptr;  // of a delay of one tick, if it isn't `changed`
   const char* cause = "";      // the first line of the map that is proposed for the unchanged integral
+  const char* sign = nullptr;  // of a changed sign, and of exchanged joints, if it isn't `changed`
+
+  const char* expected(Change change) const {
+    if (change == Change::none) return same;
+    if (change == Change::late && late) return late;
+    return (change == Change::sign || change == Change::swapped) && sign ? sign : changed;
+  }
 };
 const std::vector<Kind>& all();
 

@@ -108,6 +108,10 @@ const Broken all_broken[] = {
     {"renamed_to_nothing", 4, 26, "no topic '/joints'.*later name of /joint_states"},
     {"renamed_to_another_type", 4, 26, "'/scan' is of another type than '/joint_states'.*sensor_msgs/msg/JointState"},
     {"renamed_to_a_source", 5, 26, "'/joint_commands' is a topic of this map itself"},
+    {"limits_without_commands", 4, 9, "'limits' without 'commands'"},
+    {"limits_of_no_joint", 5, 10, "has no joint 'KNEE'"},
+    {"limits_with_another_unit", 5, 17, "ELBOW is '8 rad'"},
+    {"angles_in_turns", 4, 9, "angles is 'turns'.*radians, degrees"},
     {"tolerance_of_nothing", 5, 14, "allows nothing"},
     {"tolerances_without_commands", 4, 13, "'tolerances' without 'commands'"},
 };

@@ -103,5 +103,21 @@ TEST(RestOfLog, NamesTheNumberThatIsOffMostAndWhetherByAConstant) {
   EXPECT_FALSE(rest.report({{"PAN/u", "N·m", 1.0}, {"TILT/u", "N·m", 100.0}})->is_constant());
 }
 
+std::vector<double> multiples_of(double step, int count) {
+  std::vector<double> rising;
+  for (int i = 0; i < count; ++i) rising.push_back(step * (i - count / 2));
+  return rising;
+}
+
+TEST(StepOfCommands, IsThatOfRoundedNumbersAlone) {
+  EXPECT_NEAR(step_of(multiples_of(0.01, 6)), 0.01, 1e-9);
+  EXPECT_NEAR(step_of(multiples_of(60.0 / 32767.0, 500)), 60.0 / 32767.0, 1e-9);
+  EXPECT_EQ(step_of(multiples_of(60.0 / 32767.0, 20)), 0.0) << "a controller may have a few levels";
+  EXPECT_EQ(step_of(multiples_of(5.0, 3)), 0.0) << "as one that switches on and off";
+  std::vector<double> smooth;
+  for (int i = 0; i < 500; ++i) smooth.push_back(std::sin(0.003 * i));
+  EXPECT_EQ(step_of(smooth), 0.0);
+}
+
 }  // namespace
 }  // namespace rehearse

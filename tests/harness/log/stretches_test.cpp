@@ -143,7 +143,8 @@ TEST_F(Stretches, RefuseAStateThatIsNotTheControllers) {
 CommandRecord record_of(const std::function<double(int)>& command, int from, int until) {
   CommandRecord record;
   record.begin(std::int64_t{1'000'000} * from);
-  for (int i = from; i < until; ++i) record.add(std::int64_t{1'000'000} * i, {{std::nullopt, command(i), 0.0}});
+  for (int i = from; i < until; ++i)
+    record.add(std::int64_t{1'000'000} * i, {{std::nullopt, command(i), 0.0, command(i)}});
   return record;
 }
 
@@ -160,13 +161,40 @@ TEST(ControllerMemory, IsTheNumberOfTicksUntilALaterStartNoLongerShows) {
   EXPECT_FALSE(memory_of(whole, record_of(plain, 395, 400), 0.001)) << "too few ticks";
 }
 
+/// Commands, those of the log, and interruptions.
+CommandRecord record_of_log(const std::function<double(int)>& command, const std::function<double(int)>& logged,
+                            int from, int interrupted_each = 0) {
+  CommandRecord record;
+  record.begin(std::int64_t{1'000'000} * from, {{"KNEE/u", "N·m", 2.0}});
+  for (int i = from; i < 1000; ++i) {
+    if (interrupted_each > 0 && i % interrupted_each == 0) record.interrupt(std::int64_t{1'000'000} * i);
+    record.add(std::int64_t{1'000'000} * i, {{logged(i), command(i), 0.0, command(i)}});
+  }
+  return record;
+}
+
+TEST(MissingState, IsToldFromAChangedSignAndFromHalfAGain) {
+  const auto plain = [](int i) { return std::sin(0.1 * i); };
+  const auto negative = [&](int i) { return -plain(i); };
+  const auto half = [&](int i) { return 0.5 * plain(i); };
+  const auto shifted = [&](int i) { return plain(i) + 5.0; };
+  const auto wandering = [&](int i) { return plain(i) + 0.3 * std::sin(0.05 * i); };
+  const CommandRecord later = record_of_log([&](int i) { return plain(i) + 0.3; }, plain, 250);
+  EXPECT_TRUE(is_no_state(record_of_log(plain, negative, 0), later));
+  EXPECT_TRUE(is_no_state(record_of_log(plain, half, 0), later));
+  EXPECT_FALSE(is_no_state(record_of_log(plain, shifted, 0), later)) << "an integral";
+  EXPECT_FALSE(is_no_state(record_of_log(plain, negative, 0, 150), later)) << "no stretch is long enough";
+  const CommandRecord wandering_later = record_of_log(wandering, plain, 250);
+  EXPECT_FALSE(is_no_state(record_of_log(plain, wandering, 0), wandering_later)) << "the state lasts, and is seen so";
+}
+
 TEST(ControllerMemory, IsMeasuredWhereTicksHaveCommands) {
   const auto plain = [](int i) { return std::sin(0.1 * i); };
   CommandRecord record = record_of(plain, 0, 30);
   EXPECT_TRUE(record.begins_steadily(0.001));
   CommandRecord after_a_gap;
   after_a_gap.begin(0);
-  for (int i = 8; i < 60; ++i) after_a_gap.add(std::int64_t{1'000'000} * i, {{std::nullopt, plain(i), 0.0}});
+  for (int i = 8; i < 60; ++i) after_a_gap.add(std::int64_t{1'000'000} * i, {{std::nullopt, plain(i), 0.0, plain(i)}});
   EXPECT_FALSE(after_a_gap.begins_steadily(0.001));
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/kinds/channel_name.h"
 #include "core/scenario/scenario_parts.h"
 #include "log_map_parts.h"
 #include "map_forms.h"
@@ -49,6 +50,7 @@ void LogMapReader::read(const YamlNode& root) {
   read_start(keys);
   read_missing(keys);
   if (const YamlNode* node = keys.find("restart")) read_restarts(*node);
+  if (const YamlNode* node = keys.find("limits")) read_limits(*node);
   if (const YamlNode* node = keys.find("tolerances")) {
     Scenario place;  // read_tolerances() writes the list into it, in the form of a scenario's tolerances
     place.file = map_.file;
@@ -138,19 +140,65 @@ void LogMapReader::read_restarts(const YamlNode& node) {
   each(node, "restart", read);
 }
 
-/// Topics that have another name from some time of the log on.
+/// Gives a joint another name in the sources that name their joints. False: there is no such joint.
+bool LogMapReader::rename_joint(const NamedEntry& entry, const std::string& later) {
+  bool is_one = false;
+  const auto rename = [&](std::map<std::string, JointRename>& names) {
+    JointRename known;
+    if (const auto stated = names.find(entry.name); stated != names.end()) {
+      known = stated->second;
+    } else {
+      const int link = model_.find_joint(entry.name);
+      const auto joint = std::ranges::find(model_.joints, link);
+      if (link < 0 || joint == model_.joints.end()) return;
+      known.joint = static_cast<int>(joint - model_.joints.begin());
+    }
+    known.place = {map_.file, entry.key->line, entry.key->column};
+    known.is_later = is_one = true;
+    names.emplace(later, known);
+  };
+  for (JointSource& source : map_.joints) rename(source.names);
+  if (map_.commands && !map_.commands->is_array) rename(map_.commands->names);
+  return is_one;
+}
+
+/// The magnitudes at which commands were clipped.
+void LogMapReader::read_limits(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::map)
+    return expected(findings_, node, "limits", "a map from joints to magnitudes: {KNEE: 8 N·m}");
+  if (!map_.commands)
+    return findings_.error(node, "'limits' without 'commands'", "they clip commands: commands: TOPIC");
+  const char* quantity = "u";
+  if (map_.commands->is_array && map_.commands->quantity == CommandSource::Quantity::position) quantity = "q";
+  if (map_.commands->is_array && map_.commands->quantity == CommandSource::Quantity::velocity) quantity = "dq";
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    const auto joint = read_joint(*entry.key);
+    if (!joint) continue;
+    const bool slides = is_linear(model_.links[model_.joints[*joint]].joint.type);
+    const std::string_view unit = unit_of_joint(quantity, slides);
+    std::span<const Spelling> spellings;
+    for (const Unit& row : units::rows)
+      if (row.name == unit) spellings = row.all_spellings();
+    const auto limit = read_quantity(findings_, *entry.value, entry.name, spellings, {0.0, 1e9, unit, true});
+    if (limit) map_.limits[*joint] = *limit;
+  }
+}
+
+/// Topics, and joints, that have another name from some time of the log on.
 void LogMapReader::read_renamed(const YamlNode& node) {
   if (node.kind != YamlNode::Kind::map)
-    return expected(findings_, node, "renamed", "a map from a topic of this map to its later name: {/old: /new}");
+    return expected(findings_, node, "renamed",
+                    "a map from a topic of this map, or a joint, to its later name: {/old: /new}");
   const auto of_log = [&](const std::string& name) {
     return std::ranges::find_if(topics_, [&](const LogTopic& topic) { return topic.name == name; });
   };
   for (const NamedEntry& entry : read_entries(findings_, node)) {
     const auto later = read_text(findings_, *entry.value, "renamed", name_of_topic);
     if (!later) continue;
+    if (!has_topic(entry.name) && rename_joint(entry, *later)) continue;
     if (!has_topic(entry.name) || of_log(entry.name) == topics_.end()) {
       findings_.error(*entry.key, fmt::format("'{}' is no topic of this map", shortened(entry.name)),
-                      "expected a topic of its sources, or its tick");
+                      "expected a topic of its sources, its tick, or a joint");
     } else if (of_log(*later) == topics_.end()) {
       findings_.error(*entry.value, fmt::format("the log has no topic '{}'", shortened(*later)),
                       "expected the later name of " + entry.name);

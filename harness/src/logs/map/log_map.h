@@ -28,6 +28,16 @@ enum class LogClock {
   header_stamp,  // when it was measured, by the sender's clock
 };
 
+/// The angles in messages of joints.
+enum class LogAngles {
+  radians,
+  degrees,  // and velocities in degrees per second
+  wrapped,  // in radians, within half a turn of 0: they jump by a turn, which is taken out
+};
+
+/// Of several commands of a tick, the one that is compared. On a grid it is always the last.
+enum class TakenCommand { first, last };
+
 /// The value of a source at a tick.
 enum class Sampling {
   hold,         // the latest message up to the tick
@@ -60,8 +70,9 @@ struct TickSource : LogSource {
 struct JointRename {
   int joint = 0;  // id in the model
   double scale = 1.0;
-  double offset = 0.0;  // [rad] or [m]
-  Place place;          // of the log's name; not set for a joint that isn't renamed
+  double offset = 0.0;    // [rad] or [m]
+  Place place;            // of the log's name; not set for a joint that isn't renamed
+  bool is_later = false;  // the joint has this name from some time of the log on
 };
 
 /// JointState: joints that aren't renamed are those of the same name; names that the model doesn't have are ignored.
@@ -145,6 +156,12 @@ struct LogMap {
   bool begins_with_controller = false;
   /// True: the controller isn't called where messages of the tick's topic are missing. False: it is, on old inputs.
   bool skips_missing = false;
+  LogAngles angles = LogAngles::radians;
+  TakenCommand take = TakenCommand::first;
+  /// True: a message whose commands are all 0 isn't the controller's, but an emergency stop's.
+  bool zeros_are_foreign = false;
+  /// The magnitudes at which a driver clipped the commands, by joint id [unit of the command].
+  std::map<int, double> limits;
   MappedController controller;
   std::vector<JointSource> joints;
   std::vector<DeviceSource> devices;

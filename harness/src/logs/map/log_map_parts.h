@@ -46,6 +46,8 @@ class LogMapReader {
   bool has_topic(const std::string& topic) const;
   void read_restarts(const YamlNode& node);
   void read_renamed(const YamlNode& node);
+  bool rename_joint(const NamedEntry& entry, const std::string& later);
+  void read_limits(const YamlNode& node);
   void read_controller(const YamlNode& node);
   void check_something_is_mapped(const YamlNode& root);
 

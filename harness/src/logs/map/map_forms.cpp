@@ -23,6 +23,7 @@ namespace {
 
 constexpr Range some_age{0.0, Scenario::max_duration, "[s]", true};
 constexpr Range any_factor{-1e6, 1e6};
+constexpr Range some_limit{0.0, 1e9, "", true};
 constexpr Range moment_of_log{0.0, Scenario::max_duration, "[s]"};
 
 constexpr const char* clock_text = "the time of a message: when it was written, or measured";
@@ -268,7 +269,27 @@ BoundForm<LogMap> make_map_form() {
        &LogMap::skips_missing,
        {"hold (the controller is called on old inputs) or skip (it isn't called)", {{"hold", false}, {"skip", true}}},
        "where messages of tick are missing: hold, the controller is called on old inputs; skip, it isn't called"},
-      FormKey{"renamed", types::map(topic()), "{/old: /new}: the topic /old of the map is named /new later in the log"},
+      FormKey{"renamed", types::map(topic()),
+              "{/old: /new}: the topic /old of the map, or the joint of that name, is named /new later in the log"},
+      {"angles",
+       &LogMap::angles,
+       {"radians, degrees (and degrees per second) or wrapped (within half a turn of 0)",
+        {{"radians", LogAngles::radians}, {"degrees", LogAngles::degrees}, {"wrapped", LogAngles::wrapped}}},
+       "of joints: radians; degrees; or wrapped, whose jumps by a turn are taken out"},
+      {"take",
+       &LogMap::take,
+       {"first or last", {{"first", TakenCommand::first}, {"last", TakenCommand::last}}},
+       "of several commands of a tick, the one that is compared; on a grid always the last"},
+      {"zeros",
+       &LogMap::zeros_are_foreign,
+       {"compared, or unknown (they are those of an emergency stop)", {{"compared", false}, {"unknown", true}}},
+       "a message whose commands are all 0 is compared, or its commands are unknown, as of an emergency stop"},
+      FormKey{"limits",
+              types::map(
+                  types::either({types::quantity(UnitName("N·m").spellings(), some_limit),
+                                 types::quantity(UnitName("N").spellings(), some_limit),
+                                 types::quantity(angle_units, some_limit), types::quantity(length_units, some_limit)})),
+              "{KNEE: 8 N·m}: the magnitude at which the driver clipped the commands of a joint"},
       FormKey{"max_age", types::number(some_age), age_text},
       FormKey{"controller", types::of(map_controller_form),
               "the controller that is fed; default: the library's name, no options, with delay"},

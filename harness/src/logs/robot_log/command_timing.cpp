@@ -61,7 +61,7 @@ std::optional<LogTiming> CommandTiming::explanation() const {
   for (int distance = 1; distance <= reach; ++distance) {
     for (const int shift : {distance, -distance}) {
       const Count& count = counts_[static_cast<std::size_t>(shift + reach)];
-      if (count.ticks < 2 || !explains(count.different, stated)) continue;
+      if (2 * count.ticks < counts_[reach].ticks || count.ticks < 2 || !explains(count.different, stated)) continue;
       if (!best || count.different < best->different) best = LogTiming{shift, count.ticks, count.different};
     }
   }

@@ -16,6 +16,7 @@ struct CommandPair {
   std::optional<double> logged;
   double actual = 0.0;
   double tolerance = 0.0;
+  double whole = 0.0;  // `actual` without the limits of the map
 };
 
 class CommandTiming {

@@ -1,6 +1,7 @@
 // Feeds for joints, the root link and the joystick from a log.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
+#include <rehearse/units.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/hashing.h"
 #include "joint_messages.h"
 #include "log_feed.h"
 #include "log_track.h"
@@ -34,13 +36,25 @@ std::optional<typename LogTrack<N>::Span> span_at(LogTrack<N>& track, std::int64
 /// The difference of two angles, at most half a turn [rad].
 double shorter_way(double from, double to) { return std::remainder(to - from, 2.0 * std::numbers::pi); }
 
+/// The nearest multiple of a turn; 0 for NaN [rad].
+double whole_turns(double angle) {
+  constexpr double turn = 2.0 * std::numbers::pi;
+  const double turns = std::round(angle / turn);
+  return std::isfinite(turns) ? turns * turn : 0.0;
+}
+
 /// Scales a number of the log; a factor of 1 keeps all its bits, as those of NaN.
 double scaled(double number, double factor) { return factor == 1.0 ? number : number * factor; }
 
 class JointFeed : public LogFeed {
  public:
-  JointFeed(const JointSource& source, const Model& model, const ros2msg::Schema& schema)
-      : source_(source), model_(model), reader_(schema, JointRole::measured), names_(source.names, model) {
+  JointFeed(const JointSource& source, const JointReadings& readings, const Model& model, const ros2msg::Schema& schema)
+      : source_(source),
+        angles_(readings.angles),
+        half_steps_(readings.half_steps),
+        model_(model),
+        reader_(schema, JointRole::measured),
+        names_(source.names, model) {
     tracks_.resize(model.joints.size());
     gaps_.assign(model.joints.size(), GapWatch(source.max_age));
   }
@@ -55,6 +69,7 @@ class JointFeed : public LogFeed {
       if (!values->empty() && values->size() != count)
         return error(fmt::format("{} {} of {} joints", values->size(), what, count));
     const std::vector<JointRename>& joints = names_.find(state->names());
+    if (state->layout_changed()) note_strangers(time, state->names(), joints);
     for (std::size_t i = 0; i < count; ++i)
       if (joints[i].joint >= 0) take_joint(time, joints[i], *state, i);
     return {};
@@ -62,10 +77,12 @@ class JointFeed : public LogFeed {
 
   void look(const LogMoment& moment, Observation& seen) override {
     std::optional<std::int64_t> newest;  // time of the latest value of any joint [ns]
+    may_miss_ = false;
     for (std::size_t joint = 0; joint < tracks_.size(); ++joint) {
       const auto span = span_at(tracks_[joint].values, moment.time, source_);
       if (!span) continue;
       tracks_[joint].shown = span->before->time;
+      may_miss_ |= tracks_[joint].may_miss(moment.time);
       newest = std::max(newest.value_or(span->before->time), span->before->time);
       std::array<double, 3> values = span->before->values;
       if (span->after) {
@@ -98,6 +115,8 @@ class JointFeed : public LogFeed {
     return silent;
   }
   std::vector<std::string> take_silences() override { return std::exchange(silences_, {}); }
+  bool may_miss() const override { return may_miss_; }
+  std::vector<LogStranger> strangers() const override { return strangers_; }
 
  private:
   static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
@@ -105,7 +124,35 @@ class JointFeed : public LogFeed {
     LogTrack<3> values;                                           // q, dq, u
     std::optional<std::int64_t> shown;                            // time of the value at the last tick [ns]
     std::array<std::int64_t, 3> known_from{never, never, never};  // time of the first message with each [ns]
+    DurationCounts intervals{8};                                  // between its messages
+
+    /// True if a message of the joint is missing at that time [ns], by its usual interval.
+    bool may_miss(std::int64_t time) const {
+      return intervals.is_regular() && misses_message(time - *shown, *shown, values.next(), intervals.median());
+    }
   };
+
+  /// Keeps the first names that aren't the model's.
+  void note_strangers(std::int64_t time, const std::vector<std::string>& names,
+                      const std::vector<JointRename>& joints) {
+    constexpr std::size_t most = 32;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto is_it = [&](const LogStranger& known) { return known.name == names[i]; };
+      if (joints[i].joint < 0 && strangers_.size() < most && std::ranges::none_of(strangers_, is_it))
+        strangers_.push_back({names[i], static_cast<double>(time)});
+    }
+  }
+
+  /// An angle of the log in radians; of wrapped ones that which is nearest to the one before.
+  double displacement(double number, int joint, const LogTrack<3>::Sample* before) const {
+    if (angles_ == LogAngles::radians || !is_angle(joint)) return number;
+    if (angles_ == LogAngles::degrees) return number * units::degree;
+    return before ? number + whole_turns(before->values[0] - number) : number;
+  }
+  double rate(double number, int joint) const {
+    return angles_ == LogAngles::degrees && is_angle(joint) ? number * units::degree : number;
+  }
+  bool is_angle(int joint) const { return !is_linear(model_.links[model_.joints[joint]].joint.type); }
 
   void take_joint(std::int64_t time, const JointRename& joint, const JointArrays& state, std::size_t index) {
     Track& track = tracks_[joint.joint];
@@ -115,16 +162,20 @@ class JointFeed : public LogFeed {
       values[quantity] = value;
       track.known_from[quantity] = std::min(track.known_from[quantity], time);
     };
+    if (before) track.intervals.add(time - before->time);
     if (!state.position().empty()) {
-      put(0, scaled(state.position()[index], joint.scale));
+      put(0, scaled(displacement(state.position()[index], joint.joint, before), joint.scale));
       if (joint.offset != 0.0) values[0] += joint.offset;  // adding 0 would change -0 to 0
+      if (const auto moved = half_steps_.find(joint.joint); moved != half_steps_.end())
+        values[0] += hash_bytes(&time, sizeof time, static_cast<std::uint64_t>(joint.joint)) % 2 == 0 ? moved->second
+                                                                                                      : -moved->second;
     }
     if (!state.effort().empty())
       put(2, joint.scale == 1.0 ? state.effort()[index] : state.effort()[index] / joint.scale);
     if (source_.differentiate) {
       put(1, before && before->time < time ? slope(joint.joint, *before, time, values[0]) : before ? values[1] : 0.0);
     } else if (!state.velocity().empty()) {
-      put(1, scaled(state.velocity()[index], joint.scale));
+      put(1, scaled(rate(state.velocity()[index], joint.joint), joint.scale));
     }
     track.values.add(time, values);
   }
@@ -136,12 +187,16 @@ class JointFeed : public LogFeed {
   }
 
   const JointSource& source_;
+  const LogAngles angles_;
+  const std::map<int, double> half_steps_;
   const Model& model_;
   JointMessages reader_;
   JointNames names_;
   std::vector<Track> tracks_;   // by joint id
   std::vector<GapWatch> gaps_;  // by joint id
   std::vector<std::string> silences_;
+  std::vector<LogStranger> strangers_;
+  bool may_miss_ = false;  // at the last tick
 };
 
 /// Both types of messages with the root link's pose. A field that the schema lacks stays 0.
@@ -306,8 +361,9 @@ const std::vector<JointRename>& JointNames::find(const std::vector<std::string>&
   return joints_;
 }
 
-std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model, const ros2msg::Schema& schema) {
-  return std::make_unique<JointFeed>(source, model, schema);
+std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const JointReadings& readings, const Model& model,
+                                         const ros2msg::Schema& schema) {
+  return std::make_unique<JointFeed>(source, readings, model, schema);
 }
 
 std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg::Schema& schema) {

@@ -17,6 +17,11 @@ void each_gap(auto& value, auto& each) {
 /// Its members can't be bound, because it has a base with members; likewise below.
 void each_member(Passed<SilentJoint> auto& value, auto& each) { each_gap(value, each), each(value.joint); }
 
+void each_member(Passed<LogStranger> auto& value, auto& each) {
+  auto& [name, first_at] = value;
+  each(name), each(first_at);
+}
+
 void each_member(Passed<LogUnreadable> auto& value, auto& each) {
   auto& [reason, messages, first_at] = value;
   each(reason), each(messages), each(first_at);
@@ -31,7 +36,8 @@ void each_member(Passed<LogTopicReport> auto& value, auto& each) {
   each_gap(value, each);
   each(value.topic), each(value.type), each(value.use), each(value.messages), each(value.used), each(value.skipped);
   each(value.out_of_order), each(value.same_stamp), each(value.backwards), each(value.unreadable);
-  each(value.unreadable_for), each(value.silent_joints), each(value.clock), each(value.rate), each(value.longest_gap);
+  each(value.unreadable_for), each(value.silent_joints), each(value.strangers), each(value.twins), each(value.clock),
+      each(value.rate), each(value.longest_gap);
   each(value.longest_gap_at), each(value.ticks_without);
 }
 
@@ -59,7 +65,7 @@ void each_member(Passed<LogRest> auto& value, auto& each) {
 void each_member(Passed<LogStretches> auto& value, auto& each) {
   each_difference(value, each);
   each(value.memory), each(value.compared), each(value.different), each(value.beyond_at);
-  each(value.first_uncertain), each(value.rest);
+  each(value.first_uncertain), each(value.rest), each(value.is_no_state);
 }
 
 void each_member(Passed<JoystickMove> auto& value, auto& each) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 namespace {
@@ -26,8 +27,8 @@ double common_step(double interval) {
 class Readings {
  public:
   Readings(const LogMap& map, const std::vector<MappedSource>& sources, const LogSurvey& survey,
-           const std::vector<LogTopic>& topics, const LogReplayReport& report)
-      : map_(map), sources_(sources), survey_(survey), topics_(topics), report_(report) {}
+           const std::vector<LogTopic>& topics, const Model& model, const LogReplayReport& report)
+      : map_(map), sources_(sources), survey_(survey), topics_(topics), model_(model), report_(report) {}
 
   std::vector<OtherReading> take() {
     if (!map_.tick) add_other_ticks();
@@ -35,6 +36,10 @@ class Readings {
     add_other_starts();
     add_skipping();
     add_restart();
+    add_limits();
+    add_zeros();
+    add_later_names();
+    add_angles();
     if (map_.tick) add_other_ticks();
     return std::move(readings_);
   }
@@ -126,10 +131,73 @@ class Readings {
     readings_.back().begin = time;
   }
 
+  const std::string& name_of(int joint) const { return model_.links[model_.joints[joint]].joint.name; }
+
+  /// Commands that reach the same magnitude again and again.
+  void add_limits() {
+    if (!map_.limits.empty()) return;
+    LogMap changed = map_;
+    std::vector<std::string> entries;
+    for (int joint = 0; joint < static_cast<int>(model_.joints.size()); ++joint) {
+      const bool slides = is_linear(model_.links[model_.joints[joint]].joint.type);
+      for (const auto& [part, quantity] : {std::pair(&CommandedJoint::u, "u"), std::pair(&CommandedJoint::q, "q"),
+                                           std::pair(&CommandedJoint::dq, "dq")}) {
+        const double limit = survey_.ranges.limit(joint, part);
+        if (limit == 0.0) continue;
+        changed.limits[joint] = limit;
+        entries.push_back(fmt::format("{}: {} {}", name_of(joint), limit, unit_of_joint(quantity, slides)));
+        break;
+      }
+    }
+    if (entries.empty()) return;
+    add({fmt::format("limits: {{{}}}", fmt::join(entries, ", "))}, "the commands are clipped before they are logged") =
+        std::move(changed);
+  }
+
+  void add_zeros() {
+    if (map_.zeros_are_foreign || !survey_.ranges.has_zeros()) return;
+    add({"zeros: unknown"}, "messages whose commands are all 0 aren't the controller's, as in an emergency stop")
+        .zeros_are_foreign = true;
+  }
+
+  /// A joint without messages from the time on at which an unknown name begins.
+  void add_later_names() {
+    constexpr double longest_pause = 20.0;  // [time steps]
+    for (const LogTopicReport& topic : report_.topics) {
+      LogMap changed = map_;
+      std::vector<std::string> entries;
+      for (const SilentJoint& silent : topic.silent_joints) {
+        const double last = silent.worst_age_at - silent.worst_age;
+        const auto stranger = std::ranges::find_if(topic.strangers, [&](const LogStranger& one) {
+          return one.first_at > last && one.first_at < last + longest_pause * map_.time_step &&
+                 std::ranges::none_of(entries, [&](const std::string& entry) { return entry.ends_with(one.name); });
+        });
+        if (stranger == topic.strangers.end()) continue;
+        const auto joint = std::ranges::find_if(
+            model_.joints, [&](int link) { return model_.links[link].joint.name == silent.joint; });
+        JointRename later;
+        later.joint = static_cast<int>(joint - model_.joints.begin());
+        later.is_later = true;
+        for (JointSource& source : changed.joints) source.names[stranger->name] = later;
+        entries.push_back(fmt::format("{}: {}", silent.joint, stranger->name));
+      }
+      if (entries.empty()) continue;
+      add({fmt::format("renamed: {{{}}}", fmt::join(entries, ", "))}, "a joint has another name half-way") =
+          std::move(changed);
+    }
+  }
+
+  void add_angles() {
+    if (map_.joints.empty() || map_.angles != LogAngles::radians) return;
+    add({"angles: degrees"}, "the angles of the joints are in degrees").angles = LogAngles::degrees;
+    add({"angles: wrapped"}, "the angles of the joints jump by a turn").angles = LogAngles::wrapped;
+  }
+
   const LogMap& map_;
   const std::vector<MappedSource>& sources_;
   const LogSurvey& survey_;
   const std::vector<LogTopic>& topics_;
+  const Model& model_;
   const LogReplayReport& report_;
   std::vector<OtherReading> readings_;
 };
@@ -138,8 +206,22 @@ class Readings {
 
 std::vector<OtherReading> other_readings(const LogMap& map, const std::vector<MappedSource>& sources,
                                          const LogSurvey& survey, const std::vector<LogTopic>& topics,
-                                         const LogReplayReport& report) {
-  return Readings(map, sources, survey, topics, report).take();
+                                         const Model& model, const LogReplayReport& report) {
+  return Readings(map, sources, survey, topics, model, report).take();
+}
+
+std::optional<OtherReading> reading_of_last_commands(const LogMap& map, const std::vector<MappedSource>& sources,
+                                                     const LogSurvey& survey, const LogReplayReport& report) {
+  constexpr double fewest_in_a_tick = 1.5;
+  if (!map.tick || map.take == TakenCommand::last) return std::nullopt;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const auto messages = static_cast<double>(survey.sources[i].messages);
+    if (!sources[i].commands || messages < fewest_in_a_tick * static_cast<double>(report.ticks)) continue;
+    OtherReading reading{map, {"take: last"}, "the last of several commands of a tick is the controller's"};
+    reading.map.take = TakenCommand::last;
+    return reading;
+  }
+  return std::nullopt;
 }
 
 namespace {

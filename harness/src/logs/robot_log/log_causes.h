@@ -24,10 +24,15 @@ struct OtherReading {
 };
 
 /// The readings that are worth a try, the most usual first: times by stamps, or by the log; the controller started
-/// with another message; it isn't called where messages are missing; it was started again; ticks by another topic.
+/// with another message; it isn't called where messages are missing; it was started again; commands were clipped, or
+/// replaced by zeros; a joint has another name later; angles are wrapped, or in degrees; ticks by another topic.
 std::vector<OtherReading> other_readings(const LogMap& map, const std::vector<MappedSource>& sources,
                                          const LogSurvey& survey, const std::vector<LogTopic>& topics,
-                                         const LogReplayReport& report);
+                                         const Model& model, const LogReplayReport& report);
+
+/// The reading in which the last of several commands of a tick is the controller's. None: there is one for each tick.
+std::optional<OtherReading> reading_of_last_commands(const LogMap& map, const std::vector<MappedSource>& sources,
+                                                     const LogSurvey& survey, const LogReplayReport& report);
 
 /// The reading in which topics of the map have another name from their last messages on: that of a topic of their type
 /// that begins there. None: no topic is renamed. `ending`: log time of the log's last message [ns].

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/hashing.h"
 #include "clock_estimate.h"
 #include "core/ros2msg/message_format.h"
 #include "message_reader.h"
@@ -113,6 +114,21 @@ Result<std::int64_t> LogTimes::of(const mcap::Message& message) {
   if (!topic.offsets[0].is_stated && *nearest > logged + early)
     return error("a header.stamp that is later than the message was logged");
   return *nearest;
+}
+
+bool LogTimes::is_twin(const mcap::Message& message) {
+  constexpr std::int64_t microseconds = 50'000;  // [ns]
+  const auto logged = static_cast<std::int64_t>(message.log_time);
+  std::deque<Recent::Seen>& seen = recent_[message.channel->topic].seen;
+  const std::uint64_t hash = hash_bytes(message.data.data(), message.data.size());
+  const bool is_known = std::ranges::any_of(seen, [&](const Recent::Seen& one) {
+    if (one.hash != hash) return false;
+    const auto stamp = logged - one.logged > microseconds ? stamp_of(message) : std::optional<std::int64_t>(1);
+    return stamp && *stamp > 0;
+  });
+  seen.push_back({hash, logged});
+  if (seen.size() > Recent::most) seen.pop_front();
+  return is_known;
 }
 
 bool LogTimes::jumps_ahead(const mcap::Message& message, std::int64_t stamp) {

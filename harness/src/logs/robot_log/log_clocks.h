@@ -9,6 +9,7 @@
 #include <rehearse/model.h>
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -61,6 +62,11 @@ class LogTimes {
   Result<std::int64_t> of(const mcap::Message& message);
   /// The message's header.stamp [ns]; nullopt: it has none, or it isn't set.
   std::optional<std::int64_t> stamp_of(const mcap::Message& message);
+  /// True if the message was recorded before, as by a second recorder: its bytes are those of one of the last messages
+  /// of its topic, and so is its stamp, or they were logged within microseconds. Messages come in the order of the log.
+  bool is_twin(const mcap::Message& message);
+  /// The log is read from its beginning.
+  void begin_pass() { recent_.clear(); }
   /// True if all times are stamps, whose clock may be another one than the log's.
   bool are_stamps() const;
   /// The offset of a topic's stamps from the log's clock; nullopt: it isn't needed.
@@ -73,6 +79,15 @@ class LogTimes {
     std::int64_t logged = 0;  // of the last message [ns]
     std::optional<std::int64_t> accepted,
         last{};  // log time minus stamp, of the last used message and of the last [ns]
+  };
+  /// The last messages of a channel.
+  struct Recent {
+    static constexpr std::size_t most = 16;
+    struct Seen {
+      std::uint64_t hash = 0;
+      std::int64_t logged = 0;  // [ns]
+    };
+    std::deque<Seen> seen;
   };
   /// True if the stamp is over a second further ahead than that of the message before, unless that was so, too.
   bool jumps_ahead(const mcap::Message& message, std::int64_t stamp);
@@ -88,6 +103,7 @@ class LogTimes {
   std::map<std::uint16_t, const std::pair<const std::string, Topic>*> by_channel_;
   std::map<std::uint16_t, std::unique_ptr<Stamps>> stamps_;  // by channel id
   std::map<std::uint16_t, Delays> delays_;                   // likewise
+  std::map<std::string, Recent> recent_;                     // by topic
 };
 
 }  // namespace rehearse

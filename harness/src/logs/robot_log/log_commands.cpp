@@ -106,7 +106,8 @@ const CommandedJoints* LogCommands::of_tick(std::int64_t tick) {
   const CommandedJoints* found = nullptr;
   for (const Sample& sample : samples_) {
     if (sample.time >= until) break;
-    if (!found || ticks_.is_nominal()) found = &sample.joints;
+    if (zeros_are_foreign_ && are_zero(sample.joints)) continue;
+    if (!found || takes_last_ || ticks_.is_nominal()) found = &sample.joints;
   }
   return found;
 }
@@ -142,6 +143,18 @@ std::vector<ToleranceRule> LogCommands::tolerances(const ControllerHost& host) c
     for (const Commanded& number : commanded_by(hosted))
       if (facts_.ranges.has(number.field.joint, number.part)) rules.push_back(rule_of(number));
   return rules;
+}
+
+std::vector<std::string> LogCommands::steps(const ControllerHost& host) const {
+  std::vector<std::string> found;
+  for (const HostedController& hosted : host.controllers())
+    for (const Commanded& number : commanded_by(hosted)) {
+      const double step = facts_.ranges.step(number.field.joint, number.part);
+      const double tolerance = rule_of(number).atol.value_or(0.0);
+      if (step > 0.0 && tolerance > 0.4999 * step && tolerance < 0.5001 * step)
+        found.push_back(fmt::format("{}: {:.6g} {}", number.element, step, number.unit));
+    }
+  return found;
 }
 
 std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, double time_step,
@@ -197,8 +210,10 @@ std::vector<CommandPair> LogCommands::compare(std::int64_t tick, const Commanded
       if (!part) continue;
       const std::size_t column = actual_row.size();
       const std::optional<double>& expected = logged[field.joint].*part;
-      const double actual = hosted.io->output_values()[field.offset];
-      pairs.push_back({expected, actual, judge.tolerance(i, column)});
+      const double whole = hosted.io->output_values()[field.offset];
+      const auto limit = limits_.find(field.joint);
+      const double actual = limit == limits_.end() ? whole : std::clamp(whole, -limit->second, limit->second);
+      pairs.push_back({expected, actual, judge.tolerance(i, column), whole});
       // a number that isn't in the log isn't compared
       actual_row.push_back(expected ? std::bit_cast<std::uint64_t>(actual) : expected_row[column]);
     }

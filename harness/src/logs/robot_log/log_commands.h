@@ -7,8 +7,10 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -67,6 +69,9 @@ class LogCommands {
         ticks_(ticks),
         facts_(std::move(facts)),
         shift_(map.commands->shift),
+        takes_last_(map.take == TakenCommand::last),
+        zeros_are_foreign_(map.zeros_are_foreign),
+        limits_(map.limits),
         map_rules_(map.tolerances),
         reader_(map, model, schema) {}
 
@@ -84,6 +89,8 @@ class LogCommands {
 
   /// The tolerance of each number of the controllers that the log has, by its range if the map states none.
   std::vector<ToleranceRule> tolerances(const ControllerHost& host) const;
+  /// The numbers whose tolerance is half a step, as "PAN/u: 0.01 N·m".
+  std::vector<std::string> steps(const ControllerHost& host) const;
   /// A judge for the commands of the controllers, which this must outlive.
   std::unique_ptr<RowJudge> make_judge(const ControllerHost& host, double time_step, RowJudge::OnDifference differs);
   /// The numbers that compare() returns.
@@ -115,6 +122,8 @@ class LogCommands {
   const LogTicks& ticks_;
   const CommandFacts facts_;
   const int shift_;
+  const bool takes_last_, zeros_are_foreign_;
+  const std::map<int, double>& limits_;  // by joint id
   const std::vector<ToleranceRule>& map_rules_;
   CommandReader reader_;
   std::vector<CommandColumn> columns_;

@@ -48,12 +48,23 @@ class LogFeed {
   virtual std::vector<SilentJoint> silent_joints() const { return {}; }
   /// The names of the joints whose silence became a gap since the last call.
   virtual std::vector<std::string> take_silences() { return {}; }
+  /// True if a joint may lack a message at the last tick although its topic has one.
+  virtual bool may_miss() const { return false; }
+  /// The first names of joints that the model doesn't have.
+  virtual std::vector<LogStranger> strangers() const { return {}; }
   /// Remarks on the messages, each once.
   virtual Diagnostics take_remarks() { return {}; }
 };
 
+/// How the displacements of joints are read.
+struct JointReadings {
+  LogAngles angles = LogAngles::radians;
+  std::map<int, double> half_steps = {};  // by joint id, added or subtracted by chance [rad] or [m]
+};
+
 /// `schema`: of the source's topic. All except the schema must outlive the feed.
-std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model, const ros2msg::Schema& schema);
+std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const JointReadings& readings, const Model& model,
+                                         const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_joy_feed(const JoySource& source, const ros2msg::Schema& schema);
 /// The feed of a numeric device, a camera or a range sensor.

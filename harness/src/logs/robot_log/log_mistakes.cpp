@@ -35,7 +35,7 @@ void check_names(const MappedSource& mapped, const SourceSurvey& found, const Mo
   std::vector<std::string> occurring;
   for (const auto& [name, joint] : found.names) occurring.push_back(name);
   for (const auto& [name, rename] : renamed)
-    if (found.names.count(name) == 0)
+    if (found.names.count(name) == 0 && !rename.is_later)
       mistakes.push_back(
           at(rename.place, error(fmt::format("no message on '{}' names '{}'", mapped.source->topic, name),
                                  name_hint(name, occurring, "names in it"))));
@@ -48,7 +48,8 @@ void check_names(const MappedSource& mapped, const SourceSurvey& found, const Mo
   for (const auto& [name, joint] : found.names) {
     if (joint < 0) continue;
     const auto [first, is_new] = taken.emplace(joint, name);
-    if (is_new) continue;
+    const auto is_later = [&](const std::string& one) { return renamed.contains(one) && renamed.at(one).is_later; };
+    if (is_new || is_later(name) || is_later(first->second)) continue;
     const bool is_renamed = renamed.count(name) > 0;
     mistakes.push_back(at(place_of(mapped, is_renamed ? name : first->second),
                           error(fmt::format("'{}' and '{}' on '{}' are the same joint, {}", first->second, name,

@@ -20,10 +20,18 @@ std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 }  // namespace
 
 bool LogObservations::may_miss_input() const {
-  return std::ranges::any_of(fed_, [](const Fed& fed) { return fed.feed && fed.watch.may_miss(); });
+  return std::ranges::any_of(fed_,
+                             [](const Fed& fed) { return fed.feed && (fed.watch.may_miss() || fed.feed->may_miss()); });
 }
 
 Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
+  const bool are_messages = map_.tick && !map_.tick->grid && !map_.tick->before_commands;
+  ticks_are_inputs_ = are_messages && std::ranges::all_of(sources_, [&](const MappedSource& mapped) {
+                        return !mapped.is_awaited() || mapped.source->topic == map_.tick->topic;
+                      });
+  for (const SourceSurvey& source : survey_.sources) ticks_are_inputs_ &= source.backwards == 0;
+  for (const LogTopic& topic : topics)
+    ticks_are_inputs_ &= !map_.tick || topic.name != map_.tick->topic || topic.has("header/stamp/sec");
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const MappedSource& mapped = sources_[i];
     const auto topic =
@@ -35,7 +43,7 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     const std::int64_t period = may_miss && intervals.is_regular() ? intervals.median() : 0;
     Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age, period)});
     if (plan_) fed.watch.doubt(plan_->window_of(mapped.source->topic));
-    if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, schema);
+    if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, {map_.angles, half_steps_}, model_, schema);
     if (mapped.root) fed.feed = make_root_feed(*mapped.root, schema);
     if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, schema);
     if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, ticks_, *topic, schema);
@@ -204,7 +212,11 @@ std::vector<LogTopicReport> LogObservations::report() const {
     topic.topic = fed.mapped.source->topic;
     topic.use = fed.mapped.use;
     topic.unreadable_for = fed.unreadable_for;
-    if (fed.feed) topic.silent_joints = fed.feed->silent_joints();
+    if (!fed.feed) continue;
+    topic.silent_joints = fed.feed->silent_joints();
+    topic.strangers = fed.feed->strangers();
+    for (LogStranger& stranger : topic.strangers)
+      stranger.first_at = (stranger.first_at - static_cast<double>(ticks_.time(0))) * 1e-9;
   }
   return topics;
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/run/run.h"
@@ -30,6 +31,8 @@ class LogObservations final : public ObservationSource {
       : map_(map), model_(model), sources_(sources), survey_(survey), ticks_(ticks), plan_(plan) {}
 
   Result<void> make_feeds(const std::vector<LogTopic>& topics);
+  /// Before make_feeds(): moves displacements of joints up or down, by joint id.
+  void move_positions(std::map<int, double> half_steps) { half_steps_ = std::move(half_steps); }
   /// From now on also looks for messages that the controller may have had at another time, or in another order.
   void watch_order(LogTimes& times);
   /// A tick may need messages that are later than it by less than this [ns].
@@ -42,6 +45,12 @@ class LogObservations final : public ObservationSource {
   /// always false without watch_order().
   bool doubts_inputs() const { return doubts_inputs_; }
   bool doubts_commands() const { return doubts_commands_; }
+
+  /// True if each tick is a message that has all inputs and a stamp: at distances of up to one and a half steps none is
+  /// missing.
+  bool ticks_are_inputs() const { return ticks_are_inputs_; }
+  /// A clock of the log steps, so that distances of ticks do say something.
+  void doubt_distances() { ticks_are_inputs_ = false; }
 
   /// Adds the next message in the order of the log, with its time [ns].
   void take(std::int64_t time, const mcap::Message& message);
@@ -96,6 +105,8 @@ class LogObservations final : public ObservationSource {
   std::int64_t lookahead_ = 0;         // [ns]
   LogTimes* times_ = nullptr;          // null: the order isn't watched
   bool doubts_inputs_ = false, doubts_commands_ = false;
+  bool ticks_are_inputs_ = false;
+  std::map<int, double> half_steps_;
   Observation seen_;
   std::vector<msg::Event> gap_events_;
 };

@@ -1,6 +1,7 @@
 #include "log_replay.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/body.h>
 #include <rehearse/mcap.h>
 
@@ -82,6 +83,41 @@ class Trials {
     }
     auto judged = replay(map, whole, !map_.state || map.state);
     if (judged) report_.certain = std::move(judged->certain);
+    if (report_.certain && !report_.certain->beyond && report_.beyond && !map_.state && !report_.is_mostly_certain())
+      tell_from_state();
+  }
+
+  /// Of commands that differ by less than what a rounding of the positions makes: sets the cause to tolerances of that
+  /// size.
+  void try_rounding(const LogSurvey& survey) {
+    constexpr std::int64_t most_ticks = 8000;
+    if (!map_.tolerances.empty()) return;
+    LogReplayOptions rounded = options_;
+    for (const SourceSurvey& source : survey.sources)
+      for (const auto& [joint, positions] : source.positions)
+        if (const double step = positions.step(); step > 0.0) rounded.half_steps[joint] = step / 2;
+    if (rounded.half_steps.empty()) return;
+    const std::int64_t until = std::min(report_.ticks, most_ticks);
+    const CommandRecord plain = commands_from(0, until), moved = commands_from(0, until, rounded);
+    std::vector<double> most(plain.names().size());
+    for (const auto& [time, commands] : plain.all()) {
+      const auto other = moved.all().find(time);
+      if (other == moved.all().end() || commands.size() != most.size() || other->second.size() != most.size()) continue;
+      for (std::size_t i = 0; i < most.size(); ++i)
+        if (const double off = std::abs(other->second[i] - commands[i]); off > most[i]) most[i] = off;
+    }
+    OtherReading reading{map_, {}, "the positions are rounded, and half a step of them makes as much"};
+    std::vector<std::string> rules;
+    for (std::size_t i = 0; i < most.size(); ++i) {
+      if (most[i] == 0.0) continue;
+      ToleranceRule& rule = reading.map.tolerances.emplace_back();
+      rule.channel = "*/" + plain.names()[i];
+      rule.atol = std::stod(fmt::format("{:.2g}", 1.05 * most[i]));
+      rules.push_back(fmt::format("{{channel: \"{}\", atol: {:g}}}", rule.channel, *rule.atol));
+    }
+    if (rules.empty()) return;
+    reading.lines = {fmt::format("tolerances: [{}]", fmt::join(rules, ", "))};
+    try_readings({std::move(reading)});
   }
 
   /// Sets the report's cause to the first reading with which nine of ten ticks that differ agree, up to some ticks
@@ -145,6 +181,20 @@ class Trials {
     return std::nullopt;
   }
 
+  /// Takes the differences for those of the controller if they are none of a state that the log doesn't contain.
+  void tell_from_state() {
+    constexpr std::int64_t most_ticks = 8000;
+    const std::int64_t later = std::min(report_.ticks / 4, most_ticks / 8), until = std::min(report_.ticks, most_ticks);
+    LogReplayOptions watched = options_;
+    watched.memory.emplace();  // so that interruptions are found
+    if (!is_no_state(commands_from(0, until, watched), commands_from(later, until))) return;
+    report_.certain->is_no_state = true;
+    report_.certain->beyond = report_.beyond;
+    report_.certain->beyond_at = report_.beyond_at;
+    report_.certain->first = report_.first;
+    report_.certain->worst = report_.worst;
+  }
+
   /// True if a controller that is started in mid-run with the numbers that another one would publish commands the same.
   bool is_whole_state() {
     constexpr std::int64_t most_ticks = 2000, fewest_ticks = 40;
@@ -159,9 +209,10 @@ class Trials {
     return memory_of(commands_from(0, until), continued, map_.time_step) == 0;
   }
 
-  CommandRecord commands_from(std::int64_t tick, std::int64_t until) {
+  CommandRecord commands_from(std::int64_t tick, std::int64_t until) { return commands_from(tick, until, options_); }
+
+  CommandRecord commands_from(std::int64_t tick, std::int64_t until, LogReplayOptions part) {
     CommandRecord commands;
-    LogReplayOptions part = options_;
     part.commands = &commands;
     part.skip = tick;
     part.span.most_ticks = until - tick;
@@ -197,12 +248,28 @@ void remark_renamed(OtherReading& reading, Diagnostics& remarks) {
                                           "expected " + reading.lines[0] + " in the map, if it was renamed")));
 }
 
+/// True if with these options less than half of the differing ticks differ.
+bool is_mostly_explained(const LogReplayReport& report, const ReplayedLog& log, const LogMap& map,
+                         LogReplayOptions options) {
+  const fs::path nowhere = "/dev/null";
+  options.on_difference = {};
+  options.progress = {};
+  options.most_beyond = report.ticks_beyond / 2;
+  const auto tried = LogReplayer(log.reader, map, log.robot, nowhere, options).run(log.topics, log.hash);
+  return tried && !tried->failure && 2 * tried->ticks_beyond < report.ticks_beyond;
+}
+
 /// Replays the part of a log in the span of the options.
 Result<LogReplayReport> replay_part(const ReplayedLog& log, const LogMap& map, const fs::path& trace,
                                     const LogReplayOptions& options) {
   LogReplayer replayer(log.reader, map, log.robot, trace, options);
   auto report = replayer.run(log.topics, log.hash);
   if (!report) return report;
+  if (report->beyond && !options.tolerates_steps && replayer.survey().ranges.has_steps()) {
+    LogReplayOptions rounded = options;
+    rounded.tolerates_steps = true;
+    if (is_mostly_explained(*report, log, map, rounded)) return replay_part(log, map, trace, rounded);
+  }
   report->trace = trace;
   if (report->failure) return report;
   Trials trials(log.reader, map, log.robot, log.topics, options, *report);
@@ -210,7 +277,12 @@ Result<LogReplayReport> replay_part(const ReplayedLog& log, const LogMap& map, c
   if (!is_judged) {
     trials.find_certain_ticks();
     if (!report->within())
-      trials.try_readings(other_readings(map, replayer.sources(), replayer.survey(), log.topics, *report));
+      trials.try_readings(other_readings(map, replayer.sources(), replayer.survey(), log.topics, *log.robot, *report));
+    if (!report->within() && !report->cause) trials.try_rounding(replayer.survey());
+  } else if (auto last = reading_of_last_commands(map, replayer.sources(), replayer.survey(), *report);
+             report->beyond && last) {
+    trials.try_readings({*std::move(last)});
+    if (report->cause) report->timing.reset();
   }
   if (options.span.end) return report;
   auto renamed =

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -53,6 +54,8 @@ struct LogReplayOptions : HostOptions {
   /// The controller's memory. With it certain ticks are counted; a controller without a limit of memory has none in it.
   std::optional<std::optional<std::int64_t>> memory;
   std::optional<std::int64_t> restart_at;   // in that tick another controller continues with the state of the first one
+  bool tolerates_steps = false;             // half a step of rounded commands is a part of their tolerance
+  std::map<int, double> half_steps;         // the positions of these joints are moved by so much up or down, by id
   std::optional<std::int64_t> most_beyond;  // the replay ends after more ticks beyond a tolerance
   /// Called about every hundredth of the log with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
@@ -70,6 +73,12 @@ struct LogGaps {
 /// A joint with gaps while its topic had messages of other joints.
 struct SilentJoint : LogGaps {
   std::string joint;
+};
+
+/// A name of a joint that the model doesn't have.
+struct LogStranger {
+  std::string name;
+  double first_at = 0.0;  // [s] from the first tick on
 };
 
 /// Messages that can't be read, for one reason.
@@ -104,6 +113,8 @@ struct LogTopicReport : LogGaps {
   std::int64_t unreadable = 0;    // messages that can't be read; they are not used
   std::vector<LogUnreadable> unreadable_for;  // the first reasons, in the order of their first messages
   std::vector<SilentJoint> silent_joints;
+  std::vector<LogStranger> strangers;   // of joints
+  std::int64_t twins = 0;               // messages that were recorded before; they are not used
   std::optional<LogClockReport> clock;  // of stamps that were converted to the log's clock
   double rate = 0.0;                    // messages per second, over all of them; 0 for fewer than two
   double longest_gap = 0.0;             // between two messages [s]
@@ -168,6 +179,8 @@ struct LogStretches : Differences {
   double beyond_at = 0.0;                       // the time of `beyond` in the log, from the first tick on [s]
   std::optional<std::int64_t> first_uncertain;  // the first tick beyond its tolerance that isn't certain
   std::optional<LogRest> rest;                  // the differences from it on
+  /// The differences are none of a state that the log lacks (log_memory.h): `beyond` is the first of all ticks.
+  bool is_no_state = false;
 };
 
 /// A change of the joystick; controls by their names in scenarios.

@@ -149,8 +149,13 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   append_as_warnings(survey_.damage, report_.remarks);  // the undamaged data is used
   convert_span();
   REHEARSE_TRY(find_span());
+  if (options_.tolerates_steps) survey_.ranges.tolerate_steps();
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
+  observations_->move_positions(options_.half_steps);
   REHEARSE_TRY(observations_->make_feeds(topics));
+  for (const MappedSource& mapped : sources_)
+    if (const auto clock = times_->clock_of(mapped.source->topic); clock && clock->steps > 0)
+      observations_->doubt_distances();
   if (options_.memory) observations_->watch_order(*times_);
   auto made = REHEARSE_TRY(in_own_process<Fed>([this] { return feed(); }));
   if (options_.commands) *options_.commands = std::move(made.second);
@@ -158,6 +163,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
 }
 
 Result<LogReplayer::Fed> LogReplayer::feed() {
+  times_->begin_pass();
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });
   if (errors_.empty())
@@ -168,6 +174,7 @@ Result<LogReplayer::Fed> LogReplayer::feed() {
 }
 
 bool LogReplayer::on_message(const mcap::Message& message) {
+  if (times_->is_twin(message)) return true;
   const auto time = times_->of(message);
   if (!time) return true;
   // Messages that are logged from now on aren't earlier than this.
@@ -249,6 +256,13 @@ Result<void> LogReplayer::host_controller() {
 /// States the tolerances of the commands, by their ranges in the log, in the scenario of the recording.
 Result<void> LogReplayer::state_tolerances() {
   if (!map_.commands) return {};
+  if (const auto steps = observations_->commands()->steps(*host_); options_.tolerates_steps && !steps.empty()) {
+    Diagnostic& found = report_.remarks.emplace_back(
+        at(map_.commands->place, warning(fmt::format("the commands on '{}' are rounded to steps: {}",
+                                                     map_.commands->topic, fmt::join(steps, ", ")),
+                                         "half a step is their tolerance; tolerances: in the map states another one")));
+    found.severity = Severity::note;
+  }
   auto stated = REHEARSE_TRY(make_scenario(first_seen_, observations_->commands()->tolerances(*host_)));
   scenario_->tolerances = std::move(stated.tolerances);  // the host keeps a reference to the scenario
   scenario_->text = std::move(stated.text);
@@ -349,6 +363,7 @@ void LogReplayer::report_topics() {
     for (const LogUnreadable& found : topic.unreadable_for) warn_of(found, *sources_[i].source);
     topic.skipped += whole.messages - whole.without_time - topic.messages;  // after the last tick
     topic.messages = whole.messages;
+    topic.twins = whole.twins;
     topic.out_of_order = whole.out_of_order;
   }
 }

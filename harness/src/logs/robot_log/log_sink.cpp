@@ -24,7 +24,8 @@ bool LogSink::lacks_command(bool has_command) const {
 /// True if an input of the tick may be missing in the log, or belong to a neighbouring tick.
 bool LogSink::misses_input(std::int64_t tick) const {
   const LogTicks& ticks = log_.ticks();
-  const bool is_off = !ticks.is_nominal() && (!ticks.has_message(tick) || ticks.is_irregular(tick));
+  const double usual = log_.ticks_are_inputs() ? 0.5 : LogTicks::usual_distance;
+  const bool is_off = !ticks.is_nominal() && (!ticks.has_message(tick) || ticks.is_irregular(tick, usual));
   return is_off || log_.may_miss_input() || log_.doubts_inputs();
 }
 
@@ -56,9 +57,10 @@ void LogSink::compare(const TickData& now) {
 
 LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
-  if (options_.commands && now.tick == 0) options_.commands->begin(log_.ticks().time(0));
+  if (options_.commands && now.tick == 0) options_.commands->begin(log_.ticks().time(0), log.columns());
   const CommandedJoints* logged = log.of_tick(now.tick);
   Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick), false};
+  if (options_.commands && tick.misses_input) options_.commands->interrupt(log_.ticks().time(now.tick));
   tick.is_told = std::exchange(is_told_, false);
   knows_state_ &= !tick.misses_input;
   tick.may_be_of_another = std::exchange(lacked_command_, lacks_command(logged != nullptr)) || log_.doubts_commands();

@@ -49,6 +49,7 @@ class JointSurvey {
       const GivenJoint before = known->second;
       GivenJoint& given = known->second;
       given.q |= state->position().size() == joints.size();
+      if (i < state->position().size()) found.positions[joints[i].joint].add(state->position()[i] * joints[i].scale);
       given.dq |= state->velocity().size() == joints.size() || (differentiates_ && given.q);
       given.u |= state->effort().size() == joints.size();
       if (!is_new && before.q == given.q && before.dq == given.dq && before.u == given.u) continue;
@@ -143,14 +144,20 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
   found.sources.resize(sources.size());
   std::vector<Surveyed> surveyed(sources.size());
   bool any_time = false;
+  times.begin_pass();
   const bool has_relative = std::ranges::any_of(map.tolerances, is_relative);
   const auto look = [&](const mcap::Message& message) {
+    const bool is_twin = times.is_twin(message);
     const auto time = times.of(message);
-    if (time && map.tick && map.tick->is_on(message.channel->topic)) add_tick(*time, found);
+    if (time && !is_twin && map.tick && map.tick->is_on(message.channel->topic)) add_tick(*time, found);
     for (std::size_t i = 0; i < sources.size(); ++i) {
       if (!sources[i].source->is_on(message.channel->topic)) continue;
       SourceSurvey& source = found.sources[i];
       Surveyed& state = surveyed[i];
+      if (is_twin) {
+        ++source.twins;
+        continue;
+      }
       ++source.messages;
       if (state.any && is_behind(state.furthest, message.location)) ++source.out_of_order;
       if (!state.any || is_behind(message.location, state.furthest)) state.furthest = message.location;
@@ -159,7 +166,10 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
         note_timeless(time.errors()[0].message, message, source);
         continue;
       }
-      if (source.first && *time < source.last) continue;  // an earlier time than before: it isn't used
+      if (source.first && *time < source.last) {  // an earlier time than before: it isn't used
+        ++source.backwards;
+        continue;
+      }
       if (source.first) source.intervals.add(*time - source.last);
       if (!source.first) {
         source.first = source.complete = *time;

@@ -5,6 +5,8 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/mcap.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -27,20 +29,41 @@ struct GivenJoint {
   bool q = false, dq = false, u = false;
 };
 
+/// Some displacements of a joint, as they are in messages.
+class JointPositions {
+ public:
+  void add(double number) {
+    constexpr std::size_t most = 2048;
+    if (numbers_.size() < most && std::isfinite(number)) numbers_.push_back(number);
+  }
+  /// The step of which all are multiples; 0: there is none [rad] or [m].
+  double step() const {
+    std::vector<double> rising = numbers_;
+    std::ranges::stable_sort(rising);
+    return step_of(rising);
+  }
+
+ private:
+  std::vector<double> numbers_;
+};
+
 struct SourceSurvey {
   std::int64_t messages = 0;
   std::int64_t out_of_order = 0;  // messages after one of a later log time in the file
+  std::int64_t backwards = 0;     // messages with an earlier time than the one before
+  std::int64_t twins = 0;         // messages that were recorded before; not counted as messages
   std::int64_t without_time = 0;  // not counted as used messages
   std::vector<LogUnreadable>
       timeless;  // the reasons; first_at is the log's time of the message, or of the one before [s]
-  std::optional<std::int64_t> first;     // [ns]
-  std::optional<std::int64_t> complete;  // for joints: the time when each had a message [ns]; else first
-  std::int64_t last = 0;                 // [ns]
-  std::uint64_t last_logged = 0;         // log time of the last message [ns]
-  std::int64_t first_delay = 0;          // from the time of the first message to its log time [ns]
-  std::map<int, GivenJoint> joints;      // by id; also those of commands
-  std::map<std::string, int> names;      // joint ids by the log's names; -1: the model has no such joint
-  std::set<std::string> repeated;        // names that a message has twice
+  std::optional<std::int64_t> first;        // [ns]
+  std::optional<std::int64_t> complete;     // for joints: the time when each had a message [ns]; else first
+  std::int64_t last = 0;                    // [ns]
+  std::uint64_t last_logged = 0;            // log time of the last message [ns]
+  std::int64_t first_delay = 0;             // from the time of the first message to its log time [ns]
+  std::map<int, GivenJoint> joints;         // by id; also those of commands
+  std::map<int, JointPositions> positions;  // by id
+  std::map<std::string, int> names;         // joint ids by the log's names; -1: the model has no such joint
+  std::set<std::string> repeated;           // names that a message has twice
   std::optional<Diagnostic> unreadable;  // why the first of the decoded messages can't be read; none: one can be read
   DurationCounts intervals;              // between messages
   DurationCounts before_commands;        // from the last message to each command

@@ -171,8 +171,7 @@ bool LogTicks::has_message(std::int64_t tick) const {
   return is_grid() || tick < 0 || tick >= size() || message_from(tick)->tick == tick;
 }
 
-bool LogTicks::is_irregular(std::int64_t tick) const {
-  constexpr double usual = 0.2;  // [time steps]: two messages that are each off by a tenth of a step are within it
+bool LogTicks::is_irregular(std::int64_t tick, double usual) const {
   if (is_grid() || tick <= 0) return false;
   const double longer = static_cast<double>(time(tick) - time(tick - 1)) * 1e-9 - step_;
   return (skips_ ? -longer : std::abs(longer)) > usual * step_;

@@ -79,8 +79,11 @@ class LogTicks {
 
   /// True if the tick has its message; every tick of a grid has it.
   bool has_message(std::int64_t tick) const;
-  /// True if the time since the tick before is so short or so long that a message may be late or missing.
-  bool is_irregular(std::int64_t tick) const;
+  /// Two messages that are each off by a tenth of a step are within it [time steps].
+  static constexpr double usual_distance = 0.2;
+  /// True if the time since the tick before is so short or so long that a message may be late or missing: it is off by
+  /// more than `usual` time steps.
+  bool is_irregular(std::int64_t tick, double usual = usual_distance) const;
 
  private:
   struct Message {

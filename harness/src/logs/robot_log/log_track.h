@@ -30,6 +30,11 @@ class LogTrack {
   /// The latest sample that was added; null: none.
   const Sample* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
 
+  /// The time of the first sample after the last at() [ns]; nullopt: it isn't there yet.
+  std::optional<std::int64_t> next() const {
+    return samples_.size() > 1 ? std::optional(samples_[1].time) : std::nullopt;
+  }
+
   /// Drops samples that no later tick needs. Nullopt: the first sample comes after the tick.
   std::optional<Span> at(std::int64_t time, bool interpolate) {
     while (samples_.size() > 1 && samples_[1].time <= time) samples_.pop_front();

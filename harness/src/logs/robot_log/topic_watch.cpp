@@ -29,6 +29,10 @@ bool GapWatch::look(std::int64_t age, double seconds) {
   return in_gap_ && !was_in_gap;
 }
 
+bool misses_message(std::int64_t age, std::int64_t last, std::optional<std::int64_t> next, std::int64_t period) {
+  return period > 0 && age >= period / 2 && !(next && *next - last < period + period / 2);
+}
+
 bool TopicWatch::came(std::int64_t time) {
   ++counts_.messages;
   if (last_ && time < *last_) {
@@ -72,8 +76,8 @@ TopicWatch::Age TopicWatch::look(std::int64_t time, double seconds, bool both_si
   current_used_ = true;
   if (both_sides && !waiting_.empty() && *current_ < time) waiting_.front().used = true;
   const std::int64_t age = time - *current_;
-  const bool is_next_in_time = !waiting_.empty() && waiting_.front().time - *current_ < period_ + period_ / 2;
-  may_miss_ = period_ > 0 && age >= period_ / 2 && !is_next_in_time;
+  may_miss_ =
+      misses_message(age, *current_, waiting_.empty() ? std::nullopt : std::optional(waiting_.front().time), period_);
   may_miss_ |= age < window_.before || (!waiting_.empty() && waiting_.front().time - time < window_.after);
   if (gaps_.look(age, seconds)) return Age::gap_begins;
   if (gaps_.is_in_gap()) return Age::gap;

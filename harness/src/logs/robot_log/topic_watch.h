@@ -29,6 +29,10 @@ class GapWatch {
   LogGaps found_;
 };
 
+/// True if a message may be missing: the last one, of that time [ns], is older than half a period, and the next one is
+/// over one and a half periods after it, or not there.
+bool misses_message(std::int64_t age, std::int64_t last, std::optional<std::int64_t> next, std::int64_t period);
+
 class TopicWatch {
  public:
   /// `max_age` [s]: see GapWatch. `period` [ns]: of regular messages; 0: they aren't regular.
