@@ -269,7 +269,8 @@ Result<void> check_model_options(const RecordSettings& settings) {
                            loading.allow_unknown_devices || loading.allow_unsupported || loading.mesh_z_up;
   if (!has_model && (has_loading || !settings.model.solver.empty()))
     return error(
-        "--package, --default-mass, --mesh-up, --allow-missing-meshes, --allow-unknown-devices, --allow-unsupported and "
+        "--package, --default-mass, --mesh-up, --allow-missing-meshes, --allow-unknown-devices, --allow-unsupported "
+        "and "
         "--solver go with --model",
         "a scenario states packages, default_mass, mesh_up, allow_missing_meshes, allow_unknown_devices and "
         "allow_unsupported of its bodies, and its solver");

@@ -13,10 +13,10 @@ std::atomic<std::uint64_t> read_so_far{0};
 
 /// All members, so that a new one has to be named here.
 auto members_of(const UrdfOptions& options) {
-  const auto& [strict, packages, compare, missing_meshes, z_up, unknown_devices, unsupported, meshes, contact, fixed, kinematic,
-               mass] = options;
-  return std::tie(strict, packages, compare, missing_meshes, z_up, unknown_devices, unsupported, meshes, contact, fixed, kinematic,
-                  mass);
+  const auto& [strict, packages, compare, missing_meshes, z_up, unknown_devices, unsupported, meshes, contact, fixed,
+               kinematic, mass] = options;
+  return std::tie(strict, packages, compare, missing_meshes, z_up, unknown_devices, unsupported, meshes, contact, fixed,
+                  kinematic, mass);
 }
 
 }  // namespace
