@@ -289,7 +289,6 @@ TEST_F(Flights, FindsTheTickFromWhichAWorldDiffersFromTheRobot) {
   EXPECT_EQ(undecided.status, 4) << undecided.out << undecided.err;
   EXPECT_THAT(undecided.out, HasSubstr("plant: undecided: state missing: the base of 'Walker' isn't fixed"));
   EXPECT_EQ(rehearse({"check", "arm.yaml", "--flight", "robot.mcap"}).status, 2);
-  EXPECT_EQ(rehearse({"check", "arm.yaml", "--flight", "flight0.mcap", "--json"}).status, 2);
 }
 
 TEST_F(Flights, RefusesAControllerThatReadsWhatTheTapLacks) {
