@@ -1,5 +1,6 @@
 #include "text_bundle.h"
 
+#include <algorithm>
 #include <charconv>
 #include <system_error>
 
@@ -8,9 +9,8 @@ namespace {
 
 constexpr std::string_view part_mark = "--- # rehearse file ";  // then the size, a blank, the key, the end of the line
 
-}  // namespace
-
-std::vector<std::pair<std::string, std::string>> parts_of_bundle(std::string_view text) {
+/// The parts of a bundle by key, in order, the main text first under ""; nothing if the text is no bundle.
+std::vector<std::pair<std::string, std::string>> parts_of(std::string_view text) {
   std::vector<std::pair<std::string, std::string>> parts;
   std::size_t at = text.find("\n" + std::string(part_mark));
   if (at == std::string_view::npos) return parts;
@@ -28,10 +28,33 @@ std::vector<std::pair<std::string, std::string>> parts_of_bundle(std::string_vie
   return parts;
 }
 
-void append_part(std::string& bundle, const std::string& key, const std::string& text) {
-  if (!bundle.ends_with('\n')) bundle += '\n';
-  bundle += std::string(part_mark) + std::to_string(text.size()) + " " + key + "\n" + text;
-  bundle += '\n';
+}  // namespace
+
+TextBundle::TextBundle(const std::string& text) {
+  for (auto& [key, part] : parts_of(text)) texts_[key] = std::move(part);
+  is_of_recording_ = !texts_.empty();
+  if (!is_of_recording_) texts_[""] = text;
+}
+
+const std::string* TextBundle::find(const std::string& key) const {
+  const auto found = texts_.find(key);
+  return found == texts_.end() ? nullptr : &found->second;
+}
+
+void TextBundle::keep(const std::string& key) {
+  if (!keeps(key)) kept_.push_back(key);
+}
+
+bool TextBundle::keeps(const std::string& key) const { return std::ranges::find(kept_, key) != kept_.end(); }
+
+std::string TextBundle::text() const {
+  std::string all = main();
+  for (const std::string& key : kept_) {
+    const std::string& part = texts_.at(key);
+    if (!all.ends_with('\n')) all += '\n';
+    all += std::string(part_mark) + std::to_string(part.size()) + " " + key + "\n" + part + "\n";
+  }
+  return all;
 }
 
 }  // namespace rehearse

@@ -10,7 +10,6 @@
 
 #include "base/names.h"
 #include "base/text.h"
-#include "base/text_bundle.h"
 #include "mesh/mesh_input.h"
 #include "vrml_body.h"
 
@@ -59,16 +58,12 @@ void Document::tell_passed() {
 }
 
 Files::Files(const std::string& text, const std::string& name, const UrdfOptions& options)
-    : options_(options), paths_(name, options.packages) {
-  for (auto& [key, part] : parts_of_bundle(text)) texts_[key] = std::move(part);
-  is_bundle_ = !texts_.empty();
-  if (!is_bundle_) texts_[""] = text;
-  order_.emplace_back();
+    : options_(options), paths_(name, options.packages), texts_(text) {
   Document& document = *documents_.emplace_back(std::make_unique<Document>(name, options.strict));
   document.folder = fs::path(name).parent_path();
   by_key_[""] = &document;
   Diagnostic problem;
-  parse(document, texts_[""], {}, problem);
+  parse(document, texts_.main(), {}, problem);
   if (!problem.message.empty()) document.findings().error(problem.line, problem.message, problem.hint);
 }
 
@@ -92,7 +87,7 @@ Result<NamedFile> Files::find(const std::string& written, const Document& by) {
   }
   Result<MeshPlace> found = paths_.find(place);
   if (found) return NamedFile{found->file, written};
-  if (is_bundle_ || skips_meshes()) return NamedFile{written, written};  // the bundle may contain it
+  if (texts_.is_of_recording() || skips_meshes()) return NamedFile{written, written};  // the bundle may contain it
   if (variable.empty() || options_.packages.contains(std::string(variable))) return found.errors();
   return error(fmt::format("there is no folder for ${{{}}}", variable),
                fmt::format("--variable {0}=DIR, or packages: {{{0}: DIR}} in a scenario", variable));
@@ -100,9 +95,9 @@ Result<NamedFile> Files::find(const std::string& written, const Document& by) {
 
 Document* Files::open(const NamedFile& file, const YamlAnchors& outer, Diagnostic& problem) {
   if (const auto known = by_key_.find(file.key); known != by_key_.end()) return known->second;
-  auto text = texts_.find(file.key);
-  if (text == texts_.end()) {
-    if (is_bundle_) {
+  const std::string* text = texts_.find(file.key);
+  if (text == nullptr) {
+    if (texts_.is_of_recording()) {
       problem = rehearse::error("the recording doesn't contain it");
       return nullptr;
     }
@@ -113,14 +108,14 @@ Document* Files::open(const NamedFile& file, const YamlAnchors& outer, Diagnosti
       problem = bytes.errors().front();
       return nullptr;
     }
-    text = texts_.emplace(file.key, *std::move(bytes)).first;
+    text = &texts_.set(file.key, *std::move(bytes));
   }
   auto document = std::make_unique<Document>(file.file.string(), options_.strict);
   document->folder = file.file.parent_path();
   document->key = file.key;
-  parse(*document, text->second, outer, problem);
+  parse(*document, *text, outer, problem);
   if (!problem.message.empty()) return nullptr;
-  order_.push_back(file.key);
+  texts_.keep(file.key);
   by_key_[file.key] = document.get();
   return documents_.emplace_back(std::move(document)).get();
 }
@@ -147,13 +142,6 @@ void Files::parse(Document& document, const std::string& text, const YamlAnchors
   }
   document.root = parsed->root;
   document.anchors = std::move(parsed->anchors);
-}
-
-std::string Files::bundle() const {
-  std::string bundle = texts_.at("");
-  for (const std::string& key : order_)
-    if (!key.empty()) append_part(bundle, key, texts_.at(key));
-  return bundle;
 }
 
 Diagnostics Files::errors() const {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text_bundle.h"
 #include "mesh/mesh_paths.h"
 #include "urdf/urdf_findings.h"
 #include "yaml/yaml_tree.h"
@@ -79,7 +80,7 @@ class Files {
   Document* open(const NamedFile& file, const YamlAnchors& outer, Diagnostic& problem);
 
   /// The texts of all documents: the main file's, then each further text after a line that states its key and its size.
-  std::string bundle() const;
+  std::string bundle() const { return texts_.text(); }
 
   /// The findings of all files, in the order of their first use: errors, or the load report.
   Diagnostics errors() const;
@@ -93,9 +94,7 @@ class Files {
 
   const UrdfOptions& options_;
   MeshPaths paths_;
-  bool is_bundle_ = false;
-  std::map<std::string, std::string> texts_;  // by key; of the main file under ""
-  std::vector<std::string> order_;            // of the keys
+  TextBundle texts_;
   std::vector<std::unique_ptr<Document>> documents_;
   std::map<std::string, Document*> by_key_;
 };

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/text_bundle.h"
 #include "mesh/mesh_input.h"
 #include "urdf/urdf_text.h"
 
@@ -15,12 +14,8 @@ namespace rehearse::mjcf {
 namespace fs = std::filesystem;
 
 Files::Files(const std::string& text, const std::string& name, const UrdfOptions& options)
-    : options_(options), name_(name) {
-  for (auto& [key, part] : parts_of_bundle(text)) texts_[key] = std::move(part);
-  is_bundle_ = !texts_.empty();
-  if (!is_bundle_) texts_[""] = text;
-  order_.emplace_back();
-  root_ = open(texts_[""], name, "");
+    : options_(options), name_(name), texts_(text) {
+  root_ = open(texts_.main(), name, "");
   if (root_ != nullptr) find_includes(*root_, 0);
   if (has_error()) root_ = nullptr;
 }
@@ -60,12 +55,13 @@ void Files::include(const XMLElement& element, int depth) {
     return error(element, "too many files are included", fmt::format("expected at most {}", most_includes));
   if (depth > deepest_include)
     return error(element, "too many files include each other", fmt::format("expected at most {}", deepest_include));
-  if (std::ranges::find(order_, key) != order_.end())
+  if (texts_.keeps(key))
     return error(element, fmt::format("{} is included a second time", in_quotes(key)), "include a file once");
   fs::path file = fs::path(name_).parent_path() / key;
-  auto text = texts_.find(key);
-  if (text == texts_.end()) {
-    if (is_bundle_) return error(element, fmt::format("the recording doesn't contain {}", in_quotes(key)));
+  const std::string* text = texts_.find(key);
+  if (text == nullptr) {
+    if (texts_.is_of_recording())
+      return error(element, fmt::format("the recording doesn't contain {}", in_quotes(key)));
     std::error_code problem;
     if (!fs::exists(file, problem)) {
       for (const auto& document : documents_)
@@ -79,10 +75,10 @@ void Files::include(const XMLElement& element, int depth) {
       return error(element,
                    fmt::format("the included file {} can't be read: {}", in_quotes(key), bytes.errors()[0].message),
                    bytes.errors()[0].hint);
-    text = texts_.emplace(key, *bytes).first;
+    text = &texts_.set(key, *bytes);
   }
-  order_.push_back(key);
-  const XMLElement* root = open(text->second, file.lexically_normal(), "mujocoinclude");
+  texts_.keep(key);
+  const XMLElement* root = open(*text, file.lexically_normal(), "mujocoinclude");
   included_.emplace_back(&element, root);
   if (root != nullptr) find_includes(*root, depth);
 }
@@ -141,20 +137,13 @@ void Files::unsupported(const XMLElement& at, const std::string& what, const std
 }
 
 std::string Files::stored(const std::string& key) const {
-  const auto found = texts_.find(key);
-  return found == texts_.end() ? "" : found->second;
+  const std::string* const found = texts_.find(key);
+  return found ? *found : "";
 }
 
 void Files::store(const std::string& key, std::string text) {
-  if (std::ranges::find(order_, key) == order_.end()) order_.push_back(key);
-  texts_[key] = std::move(text);
-}
-
-std::string Files::bundle() const {
-  std::string bundle = texts_.at("");
-  for (const std::string& key : order_)
-    if (!key.empty()) append_part(bundle, key, texts_.at(key));
-  return bundle;
+  texts_.set(key, std::move(text));
+  texts_.keep(key);
 }
 
 Diagnostics Files::errors() const {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text_bundle.h"
 #include "urdf/urdf_findings.h"
 
 namespace tinyxml2 {
@@ -64,7 +65,7 @@ class Files {
   void store(const std::string& key, std::string text);
 
   /// The texts of all files, and those that were stored.
-  std::string bundle() const;
+  std::string bundle() const { return texts_.text(); }
   Diagnostics errors() const;
   Diagnostics report() const;
   bool has_error() const;
@@ -83,9 +84,7 @@ class Files {
 
   const UrdfOptions& options_;
   std::string name_;
-  bool is_bundle_ = false;
-  std::map<std::string, std::string> texts_;  // by key; of the main file under ""
-  std::vector<std::string> order_;            // of the keys
+  TextBundle texts_;
   std::vector<std::unique_ptr<Document>> documents_;
   std::vector<std::pair<const XMLElement*, const XMLElement*>> included_;  // an <include>, and the root of its file
   const XMLElement* root_ = nullptr;
