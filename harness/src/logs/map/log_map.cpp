@@ -149,9 +149,8 @@ bool LogMapReader::rename_joint(const NamedEntry& entry, const std::string& late
       known = stated->second;
     } else {
       const int link = model_.find_joint(entry.name);
-      const auto joint = std::ranges::find(model_.joints, link);
-      if (link < 0 || joint == model_.joints.end()) return;
-      known.joint = static_cast<int>(joint - model_.joints.begin());
+      if (link < 0 || model_.links[link].joint.id < 0) return;
+      known.joint = model_.links[link].joint.id;
     }
     known.place = {map_.file, entry.key->line, entry.key->column};
     known.is_later = is_one = true;
@@ -176,10 +175,8 @@ void LogMapReader::read_limits(const YamlNode& node) {
     if (!joint) continue;
     const bool slides = is_linear(model_.links[model_.joints[*joint]].joint.type);
     const std::string_view unit = unit_of_joint(quantity, slides);
-    std::span<const Spelling> spellings;
-    for (const Unit& row : units::rows)
-      if (row.name == unit) spellings = row.all_spellings();
-    const auto limit = read_quantity(findings_, *entry.value, entry.name, spellings, {0.0, 1e9, unit, true});
+    const auto limit =
+        read_quantity(findings_, *entry.value, entry.name, find_unit(unit)->all_spellings(), {0.0, 1e9, unit, true});
     if (limit) map_.limits[*joint] = *limit;
   }
 }

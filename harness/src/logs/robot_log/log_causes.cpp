@@ -173,10 +173,8 @@ class Readings {
                  std::ranges::none_of(entries, [&](const std::string& entry) { return entry.ends_with(one.name); });
         });
         if (stranger == topic.strangers.end()) continue;
-        const auto joint = std::ranges::find_if(
-            model_.joints, [&](int link) { return model_.links[link].joint.name == silent.joint; });
         JointRename later;
-        later.joint = static_cast<int>(joint - model_.joints.begin());
+        later.joint = model_.links[model_.find_joint(silent.joint)].joint.id;
         later.is_later = true;
         for (JointSource& source : changed.joints) source.names[stranger->name] = later;
         entries.push_back(fmt::format("{}: {}", silent.joint, stranger->name));

@@ -16,6 +16,7 @@
 #include "base/clock.h"
 #include "base/hashing.h"
 #include "base/replaceable.h"
+#include "base/text.h"
 #include "core/guard/float_mode.h"
 #include "core/trace/select.h"
 #include "log_causes.h"
@@ -112,7 +113,7 @@ class Trials {
       if (most[i] == 0.0) continue;
       ToleranceRule& rule = reading.map.tolerances.emplace_back();
       rule.channel = "*/" + plain.names()[i];
-      rule.atol = std::stod(fmt::format("{:.2g}", 1.05 * most[i]));
+      rule.atol = number_in<double>(fmt::format("{:.2g}", 1.05 * most[i]));
       rules.push_back(fmt::format("{{channel: \"{}\", atol: {:g}}}", rule.channel, *rule.atol));
     }
     if (rules.empty()) return;
