@@ -68,6 +68,7 @@ extern const Verb golden_verb{"golden",
                               "  rehearse golden review\n"
                               "  rehearse golden accept SR1.StandsUnderItsMinimumController\n"
                               "  rehearse golden accept SR1.Walks --channel '/SR1/LeftCamera/*'\n"
+                              "  rehearse golden accept Friday.KeepsItsCommands --recording friday.mcap\n"
                               "  rehearse golden reject --all\n"
                               "  rehearse golden noise fixtures/scenarios/sr1_minimum.yaml\n",
                               declare_golden};

@@ -102,7 +102,7 @@ std::optional<Joint> Bodies::read_joint(const Child& child, const std::string& b
   if (type == "free") return joint;
   if (type == "ball") {
     element.unsupported("a <joint> of type ball",
-                        "three hinges about x, y and z, singular at 90 degrees of the second");
+                        "write three hinges, about x, y and z; they are singular at 90 degrees of the second");
     return std::nullopt;
   }
   if (type != "hinge" && type != "slide") {

@@ -23,7 +23,7 @@ const std::vector<Mistake> errors = {
     {"actuator_of_a_tendon", 8, "a motor actuator that drives no joint isn't supported", "joint=\"NAME\""},
     {"actuator_of_no_joint", 8, "an actuator drives joint 'hing', which the model lacks", "did you mean 'hinge'?"},
     {"axis_zero", 4, "the axis of joint 'hinge' is zero", "as in 0 0 1"},
-    {"ball_joint", 4, "a <joint> of type ball isn't supported", "three hinges about x, y and z"},
+    {"ball_joint", 4, "a <joint> of type ball isn't supported", "three hinges, about x, y and z"},
     {"box_of_one_number", 5, "the size of a <geom> of type box is '0.1'", "3 numbers above 0"},
     {"class_twice", 2, "a second class of defaults has the name 'leg'", "a name of its own"},
     {"class_unknown", 5, "the class 'leg' of <geom> isn't there", ""},

@@ -136,13 +136,18 @@ TEST_F(SourceAge, OfASourceWithEqualContentIsNotTold) {
   EXPECT_EQ(note(), "") << "the edit was undone";
 }
 
+/// The second library states the folder of another checkout, as one of a compiler cache that several checkouts share.
 TEST_F(SourceAge, OfASourceWithARelativeNameIsTold) {
-  const std::string line = "cd " + test::quoted((folder_ / "build").string()) + " && " + test::quoted(CXX_COMPILER) +
-                           " -shared -fPIC -g -o Walk.so ../walk.cpp";
-  ASSERT_EQ(std::system(line.c_str()), 0) << line;
-  set_age(library(), 2);
-  write("walk.cpp", "int walk(int) { return 7; }\n");
-  EXPECT_THAT(note(), HasSubstr("gait.h and 1 more are newer than Walk.so"));
+  for (const std::string& option :
+       {std::string("-g"), "-g -fdebug-prefix-map=" + folder_.path().string() + "=/another/checkout"}) {
+    write("walk.cpp", "#include \"gait.h\"\nint walk(int tick) { return phase(tick); }\n");
+    const std::string line = "cd " + test::quoted((folder_ / "build").string()) + " && " + test::quoted(CXX_COMPILER) +
+                             " -shared -fPIC " + option + " -o Walk.so ../walk.cpp";
+    ASSERT_EQ(std::system(line.c_str()), 0) << line;
+    set_age(library(), 2);
+    write("walk.cpp", "int walk(int) { return 7; }\n");
+    EXPECT_THAT(note(), HasSubstr("gait.h and 1 more are newer than Walk.so")) << option;
+  }
 }
 
 TEST_F(SourceAge, IsFoundOutAnewForAnotherProject) {

@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 // The child's output: a line for each fact, which begins with its kind.
 constexpr std::string_view source_line = "source ", needed_line = "needed ", searched_line = "searched ";
 
-/// Writes the names of all source files in the line information. A relative one refers to the compiler's working folder,
-/// as ccache states it with base_dir, or to another folder by an option of the compiler: both names are written.
+/// Writes the names of all source files in the line information. One below the compiler's working folder is written as
+/// relative, too: a compiler cache states the folder of the build that it was filled by.
 void print_sources(const Libdw& dw, int file, std::FILE* to) {
   Dwarf* const session = dw.begin(file, DWARF_C_READ);
   if (!session) return;
@@ -35,9 +35,15 @@ void print_sources(const Libdw& dw, int file, std::FILE* to) {
     Dwarf_Files* files = nullptr;
     std::size_t count = 0;
     if (!dw.entry_at(session, unit + header, &entry) || dw.files_of(&entry, &files, &count) != 0) continue;
-    for (std::size_t i = 0; i < count; ++i)
-      if (const char* name = dw.file_in(files, i, nullptr, nullptr))
-        names.insert({name, (dw.folder_of(entry) / name).string()});
+    const fs::path folder = dw.folder_of(entry);
+    const std::string below = folder.string() + '/';
+    for (std::size_t i = 0; i < count; ++i) {
+      const char* const stated = dw.file_in(files, i, nullptr, nullptr);
+      if (!stated) continue;
+      const std::string name = (folder / stated).string();
+      names.insert(name);
+      if (!folder.empty() && name.starts_with(below)) names.insert(name.substr(below.size()));
+    }
   }
   for (const std::string& name : names) fmt::print(to, "{}{}\n", source_line, name);
   dw.end(session);

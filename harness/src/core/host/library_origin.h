@@ -8,7 +8,7 @@
 namespace rehearse {
 
 struct LibraryOrigin {
-  std::vector<std::string> sources;   // as in the line information; none without it
+  std::vector<std::string> sources;   // of the line information; relative ones are in the compiler's working folder
   std::vector<std::string> needed;    // names of the libraries that it links: libgait.so
   std::vector<std::string> searched;  // folders in which the dynamic linker searches them; $ORIGIN is not replaced
 };

@@ -37,17 +37,22 @@ fs::path build_of(const fs::path& library) {
   return {};
 }
 
-/// The sources below the project, which exist, without those in builds.
+/// The sources below the project, which exist, without those in builds. A relative name is one in the folder of the
+/// build or of the project.
 std::set<fs::path> sources_in(const std::vector<std::string>& names, const fs::path& project, const fs::path& build) {
   const std::vector<fs::path> builds = build_folders(project);
   std::set<fs::path> sources;
-  for (const fs::path name : names) {
+  const auto add = [&](const fs::path& name) {
     std::error_code missing;
-    const fs::path file = fs::weakly_canonical(name.is_absolute() ? name : project / name, missing);
+    const fs::path file = fs::weakly_canonical(name, missing);
     const auto has_it = [&file](const fs::path& folder) { return is_below(file, folder); };
     if (!missing && fs::is_regular_file(file, missing) && is_below(file, project) &&
         std::ranges::none_of(builds, has_it) && (build.empty() || !has_it(build)))
       sources.insert(file);
+  };
+  for (const fs::path name : names) {
+    add(project / name);  // an absolute name stays as it is
+    if (name.is_relative() && !build.empty()) add(build / name);
   }
   return sources;
 }
