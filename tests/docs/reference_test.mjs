@@ -18,7 +18,10 @@ const wordsIn = (text) =>
     ...[...text.matchAll(/^ *(\w+):.*# /gm)].map(([, key]) => key),
     ...[...text.replace(/^```[^]*?^```/gm, '').matchAll(/`([^`]+)`/g)].flatMap(([, code]) => code.match(/\w[\w.]*/g) ?? []),
   ]);
-const without = (names, text) => names.filter((name) => !wordsIn(text).has(name));
+const without = (names, text) => {
+  const words = wordsIn(text);
+  return names.filter((name) => !words.has(name));
+};
 
 let failures = 0;
 /** Each of `names` must be in the text; a name that nobody has written must not. */
@@ -39,9 +42,10 @@ const program = join(build, 'bin/rehearse');
 /** A page with the tables that are made of forms. */
 const readWithTables = (file) => read(file).replace(/^<!-- made: keys (\S+) -->$/gm, (line, name) => keysTable(program, name));
 const names = (keys) => keys.map(({ name }) => name);
-for (const [schema, files] of Object.entries(forms))
-  for (const { owner, keys } of formKeys(program, schema))
-    covers(`key of ${owner}`, names(keys), files.map(readWithTables).join('\n'), files.join(' '));
+for (const [schema, files] of Object.entries(forms)) {
+  const text = files.map(readWithTables).join('\n');
+  for (const { owner, keys } of formKeys(program, schema)) covers(`key of ${owner}`, names(keys), text, files.join(' '));
+}
 
 const variables = 'tools/site/pages/reference/environment.md';
 covers('variable', environmentVariables(source), read(variables), variables);

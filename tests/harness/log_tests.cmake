@@ -36,7 +36,7 @@ endforeach()
 rehearse_add_test(kinds_test LABEL unit SHARDS 2
   SOURCES log/kinds.cpp log/kinds_list.cpp log/kinds_test.cpp
   LIBRARIES Rehearse::logs Rehearse::testing sqlite3 zstd)
-target_compile_definitions(kinds_test PRIVATE TEST_CONTROLLERS="${test_controllers}")
+target_compile_definitions(kinds_test PRIVATE TEST_CONTROLLERS="${test_controllers}" AT_NIGHT=$<BOOL:${REHEARSE_NIGHTLY}>)
 add_dependencies(kinds_test ServoWith_none ServoWith_filtered ServoWith_integral)
 target_compile_definitions(log_test PRIVATE TEST_CONTROLLERS="${test_controllers}" LOGS=$<IF:$<BOOL:${REHEARSE_NIGHTLY}>,50,20>)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)

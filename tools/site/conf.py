@@ -3,6 +3,8 @@ import logging
 import os
 import re
 
+from sphinx.domains.cpp import ASTDeclaration, _max_id
+
 root = os.environ["REHEARSE_SOURCE"]
 with open(os.path.join(root, "CMakeLists.txt"), encoding="utf-8") as file:
     release = re.search(r"VERSION (\d+\.\d+\.\d+)", file.read()).group(1)
@@ -44,3 +46,13 @@ class Namespaces(logging.Filter):
 
 
 logging.getLogger("sphinx.sphinx.domains.cpp").addFilter(Namespaces())
+
+
+def newest_id(declaration):
+    """The id of a declaration, computed once: Sphinx computes those of all overloads anew for each link."""
+    if not hasattr(declaration, "newest_id"):
+        declaration.newest_id = declaration.get_id(_max_id, True)
+    return declaration.newest_id
+
+
+ASTDeclaration.get_newest_id = newest_id
