@@ -74,6 +74,7 @@ const environment = { ...process.env, PATH: `${build}/bin:${programs}`, SOURCE: 
 for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
 if (spawnSync('ccache', ['--version']).status === 0) environment.CMAKE_CXX_COMPILER_LAUNCHER = 'ccache';
 environment.REHEARSE_PENDING = 'rehearse-pending'; // not in the build that tests share
+environment.REHEARSE_CALL_STACK = 'never'; // tests of its own have it, and gdb takes seconds
 const limit = 120_000; // of a command [ms]
 let place = folder; // a session's working directory
 const run = (command, input = '') => {
