@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <numeric>
+
 #include "bag_files.h"
 
 namespace rehearse::test {
@@ -179,6 +181,80 @@ TEST(Database, WithDamagedPagesLosesTheMessagesInThemAlone) {
   EXPECT_THAT(to_string((*reader)->damage()),
               HasSubstr("damaged: " + std::to_string(6000 - times.size()) +
                         " of its 6000 messages can't be read (in 2 places, the first: rows "));
+}
+
+/// Where the pages begin that have rows of messages, in the order of the file.
+std::vector<std::size_t> pages_of_messages(const Buffer& bytes) {
+  constexpr std::byte leaf_of_table{0x0d};
+  constexpr std::size_t page = 4096, in_use = 10;  // the other tables have fewer rows
+  std::vector<std::size_t> pages;
+  for (std::size_t at = page; at < bytes.size(); at += page)
+    if (bytes[at] == leaf_of_table && std::to_integer<std::size_t>(bytes[at + 4]) > in_use) pages.push_back(at);
+  return pages;
+}
+
+std::vector<std::uint64_t> all_times(std::uint64_t messages) {
+  std::vector<std::uint64_t> times(messages);
+  std::iota(times.begin(), times.end(), 0u);
+  return times;
+}
+
+TEST(Database, WithAFlippedBitInAnyByteOfARowIdIsReadWhole) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db3";
+  write_database(file, 2000);
+  const Buffer whole = read_bytes(file);
+  const std::size_t page = pages_of_messages(whole)[20];
+  for (const std::size_t cell : {0u, 1u, 7u}) {
+    const auto pointer = [&](std::size_t i) { return std::to_integer<std::size_t>(whole[page + 8 + 2 * cell + i]); };
+    std::size_t id = page + (pointer(0) << 8 | pointer(1));
+    while (std::to_integer<int>(whole[id]) >= 0x80) ++id;  // the size of the payload
+    ++id;
+    for (const std::byte bit : {std::byte{0x01}, std::byte{0x10}, std::byte{0x40}}) {
+      Buffer damaged = whole;
+      damaged[id] ^= bit;
+      write_bytes(file, damaged);
+      EXPECT_EQ(times_in(file), all_times(2000)) << cell;
+      EXPECT_THAT(to_string((*mcap::Reader::open(file))->damage()),
+                  HasSubstr("damaged: all of its 2000 messages are read from their pages: SQLite reports: "));
+    }
+  }
+}
+
+TEST(Database, WithExchangedPagesIsReadWholeAndInOrder) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db3";
+  write_database(file, 2000);
+  Buffer bytes = read_bytes(file);
+  const std::vector<std::size_t> pages = pages_of_messages(bytes);
+  const auto at = [&bytes](std::size_t offset) { return bytes.begin() + static_cast<std::ptrdiff_t>(offset); };
+  std::swap_ranges(at(pages[10]), at(pages[10] + 4096), at(pages[30]));
+  write_bytes(file, bytes);
+  EXPECT_EQ(times_in(file), all_times(2000));
+}
+
+TEST(Database, WithADamagedPageKeepsMessagesThatContinueInOtherPages) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db3";
+  const auto payload = [](std::size_t i) { return Buffer(300 + i * 61, std::byte(i)); };  // up to three pages
+  constexpr std::size_t count = 200;
+  {
+    Database bag(file);
+    bag.topic(1, "/blob", "my_msgs/msg/Blob");
+    bag.run("BEGIN");
+    for (std::size_t i = 0; i < count; ++i) bag.message(1, static_cast<std::int64_t>(i), payload(i));
+    bag.run("COMMIT");
+  }
+  zero_page(file, 0.2);
+  const auto reader = mcap::Reader::open(file);
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  std::size_t messages = 0;
+  static_cast<void>((*reader)->for_each_message([&](const mcap::Message& message) {
+    EXPECT_EQ(Buffer(message.data.begin(), message.data.end()), payload(message.log_time)) << message.log_time;
+    return ++messages > 0;
+  }));
+  EXPECT_GT(messages, count - 10);
+  EXPECT_THAT(to_string((*reader)->damage()), HasSubstr(std::to_string(count - messages) + " of its 200 messages"));
 }
 
 TEST(Database, WithADamagedLastPageCountsItsMessagesByTheIndex) {

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "sqlite_pages.h"
 
 namespace rehearse::bag {
 
@@ -134,66 +135,88 @@ std::string message_type_of(std::string type) {
 /// Row ids of a part of the table that can't be read.
 struct UnreadRows {
   std::int64_t first = 0;
-  std::int64_t last = 0;  // the largest number: to the end of the table
+  std::int64_t last = 0;
 };
-constexpr std::int64_t no_end = std::numeric_limits<std::int64_t>::max();
-
-/// The rows of the table of messages from a row on, in their order.
-class RowCursor {
- public:
-  explicit RowCursor(Statement statement) : statement_(std::move(statement)) {}
-
-  sqlite3_stmt* row() const { return statement_.get(); }
-  void seek(std::int64_t id) {
-    sqlite3_reset(row());
-    sqlite3_bind_int64(row(), 1, id);
-  }
-  /// The first row id after `bad`, which can't be read, from which on rows can be read; nullopt: there is none.
-  std::optional<std::int64_t> readable_after(std::int64_t bad);
-
- private:
-  bool reads_from(std::int64_t id) {
-    seek(id);
-    return !is_damage(sqlite3_step(row()));
-  }
-
-  Statement statement_;
-};
-
-std::optional<std::int64_t> RowCursor::readable_after(std::int64_t bad) {
-  constexpr int single_steps = 1000;   // more rows than a page has
-  constexpr std::int64_t growth = 64;  // afterwards a step is this fraction of the passed rows
-  const std::int64_t first = bad;
-  for (int tries = 0;; ++tries) {
-    const std::int64_t step = tries < single_steps ? 1 : (bad - first) / growth;
-    if (bad > no_end - step) return std::nullopt;
-    std::int64_t good = bad + step;
-    if (!reads_from(good)) {
-      bad = good;
-      continue;
-    }
-    while (good - bad > 1) {
-      const std::int64_t middle = bad + (good - bad) / 2;
-      (reads_from(middle) ? good : bad) = middle;
-    }
-    return good;
-  }
-}
 
 /// The place of unread rows, for a message.
 std::string place_of(const std::vector<UnreadRows>& unread) {
   const auto [first, last] = unread.front();
-  std::string text = last == no_end  ? fmt::format("from row {} on", first)
-                     : last == first ? fmt::format("row {}", first)
-                                     : fmt::format("rows {} to {}", first, last);
+  std::string text = last == first ? fmt::format("row {}", first) : fmt::format("rows {} to {}", first, last);
   return unread.size() == 1 ? text : fmt::format("in {} places, the first: {}", unread.size(), text);
 }
 
 }  // namespace
 
+/// The messages that were delivered in a pass, and the rows that weren't.
+class SqliteBag::Pass {
+ public:
+  Pass(const std::map<std::int64_t, std::size_t>& topics, const OnMessage& callback)
+      : topics_(topics), callback_(callback) {}
+
+  /// Delivers the message of a row: nullopt for a time that is none, and for data that are no bytes.
+  Result<void> deliver(std::int64_t id, std::int64_t topic, std::optional<std::int64_t> time,
+                       std::optional<std::span<const std::byte>> data);
+  void miss(UnreadRows rows) {
+    unread_.push_back(rows);
+    next_ = rows.last + 1;
+  }
+  void note_damage(int status) {
+    if (damage_.empty()) damage_ = sqlite3_errstr(status);
+  }
+
+  std::int64_t next() const { return next_; }  // rows before it are done
+  std::uint64_t read() const { return read_; }
+  std::uint64_t left_out() const { return left_out_; }
+  const std::vector<UnreadRows>& unread() const { return unread_; }
+  std::uint64_t missed() const {
+    std::uint64_t count = 0;
+    for (const UnreadRows& rows : unread_) count += static_cast<std::uint64_t>(rows.last - rows.first) + 1;
+    return count;
+  }
+  const std::string& damage() const { return damage_; }
+  std::vector<std::string> rows_left_out() const;
+
+ private:
+  const std::map<std::int64_t, std::size_t>& topics_;
+  const OnMessage& callback_;
+  std::map<std::string, std::pair<std::uint64_t, std::int64_t>> wrong_rows_;  // number and first row, by reason
+  std::vector<UnreadRows> unread_;
+  std::string damage_;  // empty: none
+  std::int64_t next_ = std::numeric_limits<std::int64_t>::min();
+  std::uint64_t read_ = 0, left_out_ = 0;
+};
+
+Result<void> SqliteBag::Pass::deliver(std::int64_t id, std::int64_t topic, std::optional<std::int64_t> time,
+                                      std::optional<std::span<const std::byte>> data) {
+  ++read_;
+  next_ = id == std::numeric_limits<std::int64_t>::max() ? id : id + 1;
+  const auto known = topics_.find(topic);
+  std::string reason;
+  if (known == topics_.end())
+    reason = fmt::format("of the topic {}, which isn't in the table 'topics'", topic);
+  else if (!time || *time < 0)
+    reason = "whose timestamp is no number of nanoseconds";
+  else if (!data)
+    reason = "whose data isn't a BLOB";
+  if (reason.empty()) return callback_({id, known->second, static_cast<std::uint64_t>(*time), *data});
+  ++wrong_rows_.try_emplace(std::move(reason), 0, id).first->second.first;
+  ++left_out_;
+  return {};
+}
+
+std::vector<std::string> SqliteBag::Pass::rows_left_out() const {
+  std::vector<std::string> sentences;
+  for (const auto& [reason, rows] : wrong_rows_)
+    sentences.push_back(fmt::format("it has {} {} {}, the first in row {}: left out", rows.first,
+                                    rows.first == 1 ? "message" : "messages", reason, rows.second));
+  return sentences;
+}
+
 struct SqliteBag::Impl {
   std::string name;
   OwnCopy copy;
+  std::ifstream pages;         // the database's bytes; of a copy also after its name is removed
+  bool is_count_exact = true;  // the number of messages that the last pass missed is known
   Database database;
   int schema_version = 1;
   std::vector<Topic> topics;
@@ -215,7 +238,10 @@ struct SqliteBag::Impl {
   Result<void> read_topics();
   Result<void> read_definitions();
   std::optional<std::uint64_t> rows_in_index() const;
-  std::optional<std::uint64_t> count_unread(const std::vector<UnreadRows>& unread, std::uint64_t read) const;
+  Result<bool> has_rising_ids(Pass& pass) const;
+  Result<bool> read_rows(Pass& pass) const;
+  Result<void> read_pages(Pass& pass);
+  Result<TableForm> form_of_messages() const;
 };
 
 Result<void> SqliteBag::Impl::open(const std::filesystem::path& file) {
@@ -245,6 +271,7 @@ Result<void> SqliteBag::Impl::open(const std::filesystem::path& file) {
     sqlite3_db_config(opened, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
   const auto tables = check_tables();  // opens the side files, too
+  pages.open(mode == SQLITE_OPEN_READWRITE ? std::filesystem::path(opened_name) : file, std::ios::binary);
   copy.remove();
   if (!tables) return tables;
   REHEARSE_TRY(read_topics());
@@ -324,87 +351,107 @@ std::optional<std::uint64_t> SqliteBag::Impl::rows_in_index() const {
   return static_cast<std::uint64_t>(sqlite3_column_int64(statement->get(), 0));
 }
 
-/// The number of messages in unread rows, of a table of which `read` rows were read. rosbag2 numbers rows without gaps.
-std::optional<std::uint64_t> SqliteBag::Impl::count_unread(const std::vector<UnreadRows>& unread,
-                                                           std::uint64_t read) const {
-  if (unread.empty()) return 0;
-  if (const auto all = rows_in_index(); all && *all >= read) return *all - read;
-  if (unread.back().last == no_end) return std::nullopt;
-  std::uint64_t count = 0;
-  for (const UnreadRows& rows : unread) count += static_cast<std::uint64_t>(rows.last - rows.first) + 1;
-  return count;
+/// True if the tree has all rows in the order of their ids. Bytes that continue in other pages aren't read.
+Result<bool> SqliteBag::Impl::has_rising_ids(Pass& pass) const {
+  const auto statement = REHEARSE_TRY(prepare("SELECT rowid FROM messages NOT INDEXED ORDER BY rowid"));
+  std::optional<std::int64_t> before;
+  int status = SQLITE_ROW;
+  while ((status = sqlite3_step(statement.get())) == SQLITE_ROW) {
+    const std::int64_t id = sqlite3_column_int64(statement.get(), 0);
+    if (before && id <= *before) status = SQLITE_CORRUPT;
+    if (status == SQLITE_CORRUPT) break;
+    before = id;
+  }
+  if (status == SQLITE_DONE) return true;
+  if (!is_damage(status)) return failed("its messages can't be read");
+  pass.note_damage(status);
+  return false;
+}
+
+/// Delivers the rows of a tree with rising ids; false: a damage ended it.
+Result<bool> SqliteBag::Impl::read_rows(Pass& pass) const {
+  const auto statement =
+      REHEARSE_TRY(prepare("SELECT rowid, topic_id, timestamp, data FROM messages NOT INDEXED ORDER BY rowid"));
+  sqlite3_stmt* const row = statement.get();
+  int status = SQLITE_ROW;
+  while ((status = sqlite3_step(row)) == SQLITE_ROW) {
+    const auto time =
+        sqlite3_column_type(row, 2) == SQLITE_INTEGER ? std::optional(sqlite3_column_int64(row, 2)) : std::nullopt;
+    std::optional<std::span<const std::byte>> data;
+    if (sqlite3_column_type(row, 3) == SQLITE_BLOB)
+      data = {static_cast<const std::byte*>(sqlite3_column_blob(row, 3)),
+              static_cast<std::size_t>(sqlite3_column_bytes(row, 3))};
+    REHEARSE_TRY(pass.deliver(sqlite3_column_int64(row, 0), sqlite3_column_int64(row, 1), time, data));
+  }
+  if (status == SQLITE_DONE) return true;
+  if (!is_damage(status)) return failed("not all of its messages can be read");
+  pass.note_damage(status);
+  return false;
+}
+
+/// The form of the table of messages, without which its cells aren't known.
+Result<TableForm> SqliteBag::Impl::form_of_messages() const {
+  TableForm form;
+  form.is_topic = [this](std::int64_t id) { return topic_index.contains(id); };
+  const auto statement = REHEARSE_TRY(prepare("SELECT name, cid FROM pragma_table_info('messages')"));
+  const std::pair<const char*, std::size_t&> places[] = {
+      {"topic_id", form.topic}, {"timestamp", form.time}, {"data", form.data}};
+  while (sqlite3_step(statement.get()) == SQLITE_ROW) {
+    ++form.columns;
+    for (const auto& [name, place] : places)
+      if (text_at(statement.get(), 0) == name)
+        place = static_cast<std::size_t>(sqlite3_column_int64(statement.get(), 1));
+  }
+  return form;
+}
+
+/// Delivers the rows that are in pages of the file, whatever its trees state, and notes those that are missing.
+Result<void> SqliteBag::Impl::read_pages(Pass& pass) {
+  constexpr std::int64_t most_missing = 1 << 24;  // a larger gap is an id that was changed
+  // of a copy: the changes of the WAL file become part of the database
+  sqlite3_exec(database.get(), "PRAGMA wal_checkpoint(TRUNCATE)", nullptr, nullptr, nullptr);
+  TablePages table(pages, REHEARSE_TRY(form_of_messages()));
+  const auto miss_until = [&pass](std::int64_t id) {
+    const std::int64_t first = std::max<std::int64_t>(pass.next(), 1);  // rosbag2 numbers rows from 1, without gaps
+    if (first < id && id - first < most_missing) pass.miss({first, id - 1});
+  };
+  const std::int64_t begin = pass.next();
+  for (const PageRow& row : table.rows()) {
+    if (row.id < begin) continue;
+    const auto data = table.data_of(row);
+    if (!data) continue;
+    miss_until(row.id);
+    REHEARSE_TRY(pass.deliver(row.id, row.topic, row.time, data));
+  }
+  const auto all = table.is_cut() ? std::nullopt : rows_in_index();
+  is_count_exact = all && *all >= pass.read();
+  if (is_count_exact) miss_until(static_cast<std::int64_t>(*all) + 1);
+  return {};
 }
 
 Result<void> SqliteBag::for_each_message(const OnMessage& callback) {
-  auto statement = REHEARSE_TRY(
-      impl_->prepare("SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid >= ? ORDER BY rowid"));
-  RowCursor cursor(std::move(statement));
-  sqlite3_stmt* row = cursor.row();
-  std::map<std::string, std::pair<std::uint64_t, std::int64_t>> wrong_rows;  // number and first row, by reason
-  std::uint64_t read = 0, left_out = 0;
-  const auto leave_out = [&](std::string reason, std::int64_t id) {
-    ++wrong_rows.try_emplace(std::move(reason), 0, id).first->second.first;
-    ++left_out;
-  };
+  Pass pass(impl_->topic_index, callback);
+  impl_->lost_messages.reset();
+  impl_->is_count_exact = true;
+  const bool has_order = REHEARSE_TRY(impl_->has_rising_ids(pass));
+  const bool is_whole = has_order && REHEARSE_TRY(impl_->read_rows(pass));
+  if (!is_whole) REHEARSE_TRY(impl_->read_pages(pass));
+  const std::uint64_t missed = pass.missed();
+  if (impl_->is_count_exact) impl_->lost_messages = missed + pass.left_out();
   Diagnostics problems;
-  std::vector<UnreadRows> unread;
-  std::string damage;
-  std::int64_t next = std::numeric_limits<std::int64_t>::min();  // rows before it are done
-  cursor.seek(next);
-  while (true) {
-    const int status = sqlite3_step(row);
-    Message message;
-    message.id = status == SQLITE_ROW ? sqlite3_column_int64(row, 0) : 0;
-    if (status == SQLITE_DONE) break;
-    if (status != SQLITE_ROW && !is_damage(status)) {
-      problems.push_back(impl_->failed("not all of its messages can be read"));
-      break;
-    }
-    if (status != SQLITE_ROW || message.id < next) {
-      if (unread.empty()) damage = sqlite3_errstr(status == SQLITE_ROW ? SQLITE_CORRUPT : status);
-      next = std::max<std::int64_t>(next, 1);
-      const auto readable = cursor.readable_after(next);
-      unread.push_back({next, readable ? *readable - 1 : no_end});
-      if (!readable) break;
-      next = *readable;
-      cursor.seek(next);
-      continue;
-    }
-    ++read;
-    const auto topic = impl_->topic_index.find(sqlite3_column_int64(row, 1));
-    const std::int64_t time = sqlite3_column_int64(row, 2);
-    if (topic == impl_->topic_index.end()) {
-      leave_out(fmt::format("of the topic {}, which isn't in the table 'topics'", sqlite3_column_int64(row, 1)),
-                message.id);
-    } else if (sqlite3_column_type(row, 2) != SQLITE_INTEGER || time < 0) {
-      leave_out("whose timestamp is no number of nanoseconds", message.id);
-    } else if (sqlite3_column_type(row, 3) != SQLITE_BLOB) {
-      leave_out("whose data isn't a BLOB", message.id);
-    } else {
-      message.topic = topic->second;
-      message.time = static_cast<std::uint64_t>(time);
-      message.data = {static_cast<const std::byte*>(sqlite3_column_blob(row, 3)),
-                      static_cast<std::size_t>(sqlite3_column_bytes(row, 3))};
-      REHEARSE_TRY(callback(message));
-    }
-    if (message.id == no_end) break;
-    next = message.id + 1;
+  if (!is_whole) {
+    std::string lost = fmt::format("all of its {} messages are read from their pages", pass.read());
+    if (!impl_->is_count_exact && missed == 0)
+      lost = fmt::format("an unknown number of its messages can't be read (from row {} on)", pass.next());
+    else if (!impl_->is_count_exact)
+      lost = fmt::format("at least {} of its messages can't be read ({})", missed, place_of(pass.unread()));
+    else if (missed > 0)
+      lost = fmt::format("{} of its {} messages can't be read ({})", missed, pass.read() + missed,
+                         place_of(pass.unread()));
+    problems.push_back(impl_->wrong(fmt::format("damaged: {}: SQLite reports: {}", lost, pass.damage())));
   }
-  const auto lost = problems.empty() ? impl_->count_unread(unread, read) : std::nullopt;
-  if (!lost && !unread.empty())
-    problems.push_back(
-        impl_->wrong(fmt::format("damaged: an unknown number of its messages can't be read ({}): "
-                                 "SQLite reports: {}",
-                                 place_of(unread), damage)));
-  else if (lost && *lost > 0)
-    problems.push_back(impl_->wrong(fmt::format("damaged: {} of its {} messages can't be read ({}): SQLite reports: {}",
-                                                *lost, read + *lost, place_of(unread), damage)));
-  impl_->lost_messages = lost ? std::optional(*lost + left_out) : std::nullopt;
-  for (const auto& [reason, rows] : wrong_rows) {
-    if (problems.size() == most_findings) break;
-    problems.push_back(impl_->wrong(fmt::format("it has {} {} {}, the first in row {}: left out", rows.first,
-                                                rows.first == 1 ? "message" : "messages", reason, rows.second)));
-  }
+  for (std::string& sentence : pass.rows_left_out())
+    if (problems.size() < most_findings) problems.push_back(impl_->wrong(std::move(sentence)));
   if (problems.empty()) return {};
   return problems;
 }

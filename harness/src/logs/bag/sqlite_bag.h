@@ -56,9 +56,9 @@ class SqliteBag {
   const Definition* definition_of(const std::string& type) const;
 
   using OnMessage = std::function<Result<void>(const Message&)>;
-  /// Delivers all messages in the order of their rows, which is the order of recording. Rows that are no messages (of
-  /// an unknown topic, without a time or bytes) and damaged parts are reported at the end; all readable messages are
-  /// delivered before, also those behind a damaged part. An error of the callback ends the pass.
+  /// Delivers all messages in the order of their rows, which is the order of recording. If SQLite can't read some, or
+  /// their ids don't rise, the messages are read from the file's pages. Rows that are no messages (of an unknown topic,
+  /// without a time or bytes) and damaged parts are reported at the end. An error of the callback ends the pass.
   Result<void> for_each_message(const OnMessage& callback);
 
   /// The number of messages that the last pass couldn't deliver; nullopt: unknown.
@@ -68,6 +68,7 @@ class SqliteBag {
   std::vector<std::string> examine();
 
  private:
+  class Pass;
   struct Impl;
   explicit SqliteBag(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
