@@ -12,7 +12,6 @@ constexpr std::size_t header_size = 100;  // of the file, at the beginning of th
 constexpr std::byte leaf_of_table{0x0d};
 constexpr std::size_t leaf_header = 8;
 constexpr std::uint32_t smallest_page = 512, largest_page = 65536;
-constexpr std::uint64_t longest_payload = 1u << 30;
 
 std::uint64_t big_endian(std::span<const std::byte> bytes, std::size_t at, std::size_t size) {
   std::uint64_t value = 0;
@@ -84,6 +83,7 @@ TablePages::TablePages(std::istream& file, TableForm form) : file_(file), form_(
   used_ = page_size_ - static_cast<std::uint32_t>(big_endian(header, 20, 1));
   pages_ = static_cast<std::uint32_t>(size / page_size_);
   is_cut_ = pages_ < big_endian(header, 28, 4);
+  unread_ = pages_;
   bytes_.resize(page_size_);
 }
 
@@ -103,7 +103,7 @@ std::optional<TablePages::Cell> TablePages::cell_at(std::uint32_t offset) const 
   cell.payload = numbers.next();
   cell.id = static_cast<std::int64_t>(numbers.next());
   cell.begin = numbers.at;
-  if (!numbers.is_good || cell.payload > longest_payload) return std::nullopt;
+  if (!numbers.is_good || cell.payload > std::uint64_t{pages_} * page_size_) return std::nullopt;
   const std::uint64_t most = used_ - 35, least = (used_ - 12) * 32 / 255 - 23;
   const std::uint64_t rest = least + (cell.payload - least) % (used_ - 4);
   cell.local = cell.payload <= most ? cell.payload : rest <= most ? rest : least;
@@ -138,19 +138,19 @@ std::vector<PageRow> TablePages::rows_of_page() {
   if (bytes_[head] != leaf_of_table) return rows;
   const std::size_t count = big_endian(bytes_, head + 3, 2);
   if (head + leaf_header + 2 * count > used_) return rows;
-  std::vector<std::int64_t> places;            // of the rows in the page
-  std::map<std::int64_t, std::size_t> firsts;  // the id of the page's first row by each row, and how many state it
+  std::vector<std::uint64_t> places;            // of the rows in the page
+  std::map<std::uint64_t, std::size_t> firsts;  // the id of the page's first row by each row, and how many state it
   for (std::size_t i = 0; i < count; ++i) {
     const auto offset = static_cast<std::uint32_t>(big_endian(bytes_, head + leaf_header + 2 * i, 2));
     const auto cell = cell_at(offset);
     if (!cell) continue;
     rows.push_back({cell->id, cell->topic, cell->time, loaded_, offset});
-    places.push_back(static_cast<std::int64_t>(i));
-    ++firsts[cell->id - places.back()];
+    places.push_back(i);
+    ++firsts[static_cast<std::uint64_t>(cell->id) - i];
   }
   const auto first = std::ranges::max_element(firsts, {}, [](const auto& entry) { return entry.second; });
   if (first == firsts.end() || 2 * first->second <= rows.size()) return rows;
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].id = first->first + places[i];
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].id = static_cast<std::int64_t>(first->first + places[i]);
   return rows;
 }
 
@@ -162,10 +162,10 @@ std::vector<PageRow> TablePages::rows() {
     all.insert(all.end(), found.begin(), found.end());
   }
   std::ranges::stable_sort(all, {}, &PageRow::id);
-  const auto copies = std::ranges::unique(all, [](const PageRow& a, const PageRow& b) {  // a page that was moved
+  const auto is_copy = [](const PageRow& a, const PageRow& b) {  // of a page that was moved
     return a.id == b.id && a.topic == b.topic && a.time == b.time;
-  });
-  all.erase(copies.begin(), copies.end());
+  };
+  all.erase(std::unique(all.begin(), all.end(), is_copy), all.end());
   return all;
 }
 
@@ -178,7 +178,8 @@ std::optional<std::span<const std::byte>> TablePages::data_of(const PageRow& row
   if (cell->local < cell->payload) {
     auto next = static_cast<std::uint32_t>(big_endian(bytes_, cell->begin + cell->local, 4));
     while (payload_.size() < cell->payload) {
-      if (!load(next)) return std::nullopt;
+      if (unread_ == 0 || !load(next)) return std::nullopt;
+      --unread_;
       const std::size_t part = std::min<std::size_t>(used_ - 4, cell->payload - payload_.size());
       payload_.insert(payload_.end(), bytes_.begin() + 4, bytes_.begin() + 4 + static_cast<std::ptrdiff_t>(part));
       next = static_cast<std::uint32_t>(big_endian(bytes_, 0, 4));

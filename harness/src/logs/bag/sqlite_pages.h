@@ -36,7 +36,7 @@ class TablePages {
   /// The rows whose cells can be read, in the order of their ids. Where most rows of a page are numbered without a gap,
   /// all are: a row id that contradicts them is replaced.
   std::vector<PageRow> rows();
-  /// The bytes of a row; nullopt: one of the pages in which they continue is missing.
+  /// The bytes of a row, which is asked for once; nullopt: a page in which they continue is missing, or is another row's.
   std::optional<std::span<const std::byte>> data_of(const PageRow& row);
   /// True if the file has fewer pages than it states.
   bool is_cut() const { return is_cut_; }
@@ -50,6 +50,7 @@ class TablePages {
   std::istream& file_;
   TableForm form_;
   std::uint32_t page_size_ = 0, used_ = 0, pages_ = 0;  // used_: bytes of a page without the reserved ones
+  std::uint32_t unread_ = 0;  // pages in which rows may continue: each belongs to one row
   bool is_cut_ = false;
   std::uint32_t loaded_ = 0;  // number of the page in bytes_; 0: none
   std::vector<std::byte> bytes_, payload_;
