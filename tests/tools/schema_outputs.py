@@ -4,6 +4,7 @@ without a row."""
 import copy
 import json
 import os
+import pathlib
 import re
 import shutil
 import subprocess
@@ -92,6 +93,17 @@ def collect_campaign(outputs):
     run("sweep", "sweep", "status", "absent")
 
 
+def collect_fuzz(outputs):
+    """A fuzz test with a finding."""
+    program = pathlib.Path(outputs.program).parent / "planted_fuzz"
+    (outputs.folder / "fuzzed").mkdir()
+    (outputs.folder / "fuzzed/CTestTestfile.cmake").write_text(
+        f'add_test(Planted.ComparesFloats "{program}" "--gtest_filter=Planted.ComparesFloats")\n')
+    for runs in (1600, 1616):
+        outputs.run("fuzz", "fuzz", "Planted.ComparesFloats", "--build", "fuzzed", "--runs", runs)
+    outputs.run("fuzz", "fuzz", "Planted.Absent", "--build", "fuzzed")
+
+
 def collect_goldens(outputs, fixtures, golden):
     """A project whose controller has changed: its golden is reviewed, rejected, accepted."""
     run, folder = outputs.run, outputs.folder
@@ -174,6 +186,7 @@ def collect(program, source, folder):
     (folder / "box.yaml").write_text(CAMPAIGN)
     collect_goldens(outputs, fixtures, golden)
     collect_campaign(outputs)
+    collect_fuzz(outputs)
     run("replay", "replay", standing)
     run("replay-tick", "replay", standing, "--tick", "10")
     run("replay-watch", "replay", standing, "--watch", "SR1/WAIST/*", "--until", "0.01", lines=True)

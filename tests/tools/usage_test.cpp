@@ -61,7 +61,8 @@ TEST_F(Usage, WithoutTheProgramBehindItSaysWhichOneIsMissing) {
   const std::string programs = (fs::canonical(folder()) / "libexec/rehearse/rehearse-").string();
   for (const auto& [verb, program] :
        {std::pair("info", "read"), std::pair("check", "simulate"), std::pair("map", "logs"),
-        std::pair("sweep", "campaigns"), std::pair("audit", "audit"), std::pair("import", "choreonoid")}) {
+        std::pair("sweep", "campaigns"), std::pair("audit", "audit"), std::pair("import", "choreonoid"),
+        std::pair("fuzz", "fuzz")}) {
     const Outcome outcome = run(folder() / "bin/rehearse", {verb, "a"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(outcome.err, "error: can't start " + programs + program +

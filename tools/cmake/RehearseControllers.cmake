@@ -1,15 +1,16 @@
-# rehearse_add_simple_controller(NAME sources... [COVERAGE]): a controller's library, NAME.so, to be named in a scenario.
+# rehearse_add_simple_controller(NAME sources... [COVERAGE] [FUZZ]): a controller's library, NAME.so, to be named in a scenario.
 #
 # The library is a module without a prefix, C++17, and links Rehearse::cnoid only. Its folder is the one in which the
 # harness searches controllers of the build: lib/rehearse/controllers in the build folder. Add other libraries with
 # target_link_libraries(NAME PRIVATE ...). choreonoid_add_simple_controller is a synonym, so that a CMakeLists.txt
 # written for Choreonoid needs no change. With COVERAGE it is compiled with -g -O0 whatever the build type, so that each
-# line and each branch has code of its own, which `rehearse check --coverage` watches.
+# line and each branch has code of its own, which `rehearse check --coverage` watches. With FUZZ the compiler adds calls
+# to its branches and comparisons, by which fuzz tests (<rehearse/fuzz.h>) are guided; its commands stay the same.
 
 include(${CMAKE_CURRENT_LIST_DIR}/RehearseBits.cmake)
 
 function(rehearse_add_simple_controller name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "" "")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE;FUZZ" "" "")
   if(NOT arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "rehearse_add_simple_controller(${name}): name at least one source file")
   endif()
@@ -29,8 +30,24 @@ function(rehearse_add_simple_controller name)
   if(arg_COVERAGE)  # behind the options of the build type, which they override
     target_compile_options(${name} PRIVATE -g -O0)
   endif()
+  if(arg_FUZZ)
+    rehearse_add_fuzz_points(${name})
+  endif()
   target_link_libraries(${name} PRIVATE Rehearse::cnoid)
   rehearse_warn_of_other_flags(${name})
+endfunction()
+
+# The callbacks of the instrumentation are in the library itself, so that every program can load it.
+set(REHEARSE_FUZZ_POINTS ${CMAKE_CURRENT_LIST_DIR}/fuzz_points.cpp)
+function(rehearse_add_fuzz_points name)
+  set(points trace-pc)  # of gcc: by address, and comparisons of floating-point numbers as well
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    set(points trace-pc-guard)
+  endif()
+  target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:C,CXX>:-fsanitize-coverage=${points},trace-cmp>)
+  target_sources(${name} PRIVATE ${REHEARSE_FUZZ_POINTS})
+  set_source_files_properties(${REHEARSE_FUZZ_POINTS} PROPERTIES
+    COMPILE_OPTIONS -fno-sanitize-coverage=${points},trace-cmp SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 function(choreonoid_add_simple_controller name)
@@ -126,7 +143,7 @@ function(rehearse_add_controller_test name)
     REHEARSE_TEST_GOLDEN="${golden}"
     REHEARSE_TEST_OUTPUT="${CMAKE_BINARY_DIR}"
     REHEARSE_TEST_CONTROLLERS="${CMAKE_BINARY_DIR}/lib/rehearse/controllers")
-  target_link_libraries(${name} PRIVATE Rehearse::gtest)
+  target_link_libraries(${name} PRIVATE Rehearse::gtest $<$<TARGET_EXISTS:Rehearse::fuzz>:Rehearse::fuzz>)
   if(arg_CONTROLLERS)
     add_dependencies(${name} ${arg_CONTROLLERS})
   endif()

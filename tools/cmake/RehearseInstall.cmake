@@ -37,7 +37,7 @@ export(EXPORT RehearseTargets NAMESPACE Rehearse:: FILE ${built_package_folder}/
 configure_package_config_file(tools/cmake/RehearseConfig.cmake.in ${built_package_folder}/RehearseConfig.cmake
   INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${built_package_folder}/RehearseConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-foreach(file RehearseBits.cmake RehearseControllers.cmake)
+foreach(file RehearseBits.cmake RehearseControllers.cmake fuzz_points.cpp)
   configure_file(tools/cmake/${file} ${built_package_folder}/${file} COPYONLY)
 endforeach()
 install(FILES
@@ -45,6 +45,7 @@ install(FILES
   ${built_package_folder}/RehearseConfigVersion.cmake
   tools/cmake/RehearseBits.cmake
   tools/cmake/RehearseControllers.cmake
+  tools/cmake/fuzz_points.cpp
   DESTINATION ${package_folder} COMPONENT development)
 
 # Man pages, and completions of shells, from the output of the command with --help.

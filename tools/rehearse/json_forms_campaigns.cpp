@@ -1,4 +1,4 @@
-// The objects of sweep and its parts.
+// The objects of sweep and its parts, and of fuzz.
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,6 +84,42 @@ const Form& sweep_form() {
   return form;
 }
 
+std::vector<std::string> finding_kinds() {
+  return {
+      "not finite",           "beyond a limit", "violated",          "threw", "crashed", "hung", "ended the process",
+      "took too much memory", "not repeated",   "not real-time safe"};
+}
+
+const Form& fuzz_finding_form() {
+  static const Form form{
+      "fuzz_finding",
+      "inputs that break a controller",
+      {member("kind", types::word(finding_kinds())), member("sentence", types::string()), member("run", types::count()),
+       member("tick", types::count()), member("ticks", types::count()), member("ticks_before", types::count()),
+       member("inputs", types::count()), member("inputs_before", types::count()), member("changes", types::count()),
+       member("changes_before", types::count()), member("repeats", types::flag()), member("file", types::string()),
+       member("recording", types::string())}};
+  return form;
+}
+
+const Form& kept_finding_form() {
+  static const Form form{"kept_finding",
+                         "a finding that the project keeps",
+                         {member("file", types::string()), member("sentence", types::string())}};
+  return form;
+}
+
+const Form& fuzz_form() {
+  static const Form form =
+      with_version({"fuzz",
+                    "fuzz --json",
+                    {member("runs", types::count()), member("resumed_from", types::count()),
+                     member("seed", types::count()), member("kept", types::count()), member("points", types::count()),
+                     member("seconds", types::real()), member("findings", types::array(types::of(fuzz_finding_form))),
+                     member("kept_findings", types::array(types::of(kept_finding_form)))}});
+  return form;
+}
+
 const Form& case_margin_form() {
   static const Form form{"case_margin",
                          "the margin of an expectation",
@@ -158,7 +194,8 @@ std::vector<NamedForm> campaign_objects() {
   return {object_of("sweep", "sweep --json, also of resume, status and report", {sweep_form}),
           object_of("sweep-towards", "sweep --towards --json", {sweep_towards_form}),
           object_of("sweep-case", "sweep case --json", {sweep_case_form}),
-          object_of("sweep-shrink", "sweep shrink --json", {sweep_shrink_form})};
+          object_of("sweep-shrink", "sweep shrink --json", {sweep_shrink_form}),
+          object_of("fuzz", "fuzz --json", {fuzz_form})};
 }
 
 }  // namespace rehearse::tool

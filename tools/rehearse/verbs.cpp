@@ -32,6 +32,8 @@ constexpr VerbSummary verbs[] = {
     {"sweep", campaigns_and_audits,
      "run many variations of a scenario, report which fail and why, and shrink a failing one", Program::of_the_wing,
      Rounding::matters, "campaigns"},
+    {"fuzz", campaigns_and_audits, "search for inputs that break a controller: goes on with a fuzz test",
+     Program::of_the_wing, Rounding::is_none, "fuzz"},
     {"audit", campaigns_and_audits, "is a controller a function of its inputs, and if not, what else does it depend on",
      Program::of_the_wing, Rounding::matters, "audit"},
     {"info", files, "print duration, channels, metadata and events of a trace", Program::read, Rounding::is_none},
@@ -66,7 +68,8 @@ constexpr Wing wings[] = {{"", true},
                           {"viewing", has_viewing},
                           {"campaigns", has_campaigns},
                           {"audit", has_audit},
-                          {"choreonoid", has_choreonoid}};
+                          {"choreonoid", has_choreonoid},
+                          {"fuzz", has_fuzz}};
 
 }  // namespace
 

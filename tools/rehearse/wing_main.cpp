@@ -1,4 +1,4 @@
-// rehearse-logs, rehearse-campaigns, rehearse-audit, rehearse-choreonoid: the verbs of a wing. Only `rehearse` starts
+// rehearse-logs, rehearse-campaigns, rehearse-audit, rehearse-choreonoid, rehearse-fuzz: the verbs of a wing. Only `rehearse` starts
 // them.
 #include <rehearse/pin.h>
 

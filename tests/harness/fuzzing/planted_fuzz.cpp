@@ -1,0 +1,10 @@
+// A fuzz test with a finding, and a test that is none.
+#include <rehearse/fuzz.h>
+
+FUZZ_CONTROLLER(Planted, ComparesFloats, PLANTED_CONTROLLERS "/Planted.so", PLANTED_MODEL)
+    .joint("A", q.in(-1, 1), dq.in(-3, 3))
+    .options("Equality")
+    .ticks(16)
+    .runs(320);
+
+TEST(Planted, IsNoFuzzTest) {}
