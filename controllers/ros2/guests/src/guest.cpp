@@ -30,22 +30,34 @@ class Lines {
     static Lines lines;
     return lines;
   }
-  void add(std::string line) {
+  void add(int severity, std::string line) {
     const std::lock_guard lock(mutex_);
+    if (severity >= RCUTILS_LOG_SEVERITY_WARN && severity > worst_severity_) {
+      worst_severity_ = severity;
+      worst_ = line;
+    }
     lines_.push_back(std::move(line));
   }
-  void print(rehearse_io* io) {
+  /// Prints the lines since the last call. Returns the first of those of the greatest level; empty: there is no warning
+  /// or error.
+  std::string print(rehearse_io* io) {
     std::vector<std::string> lines;
+    std::string worst;
     {
       const std::lock_guard lock(mutex_);
       lines.swap(lines_);
+      worst.swap(worst_);
+      worst_severity_ = 0;
     }
     for (const std::string& line : lines) rehearse_print(io, (line + "\n").c_str());
+    return worst;
   }
 
  private:
   std::mutex mutex_;
   std::vector<std::string> lines_;
+  int worst_severity_ = 0;
+  std::string worst_;
 };
 
 void take_line(const rcutils_log_location_t*, int severity, const char* name, rcutils_time_point_value_t,
@@ -56,7 +68,8 @@ void take_line(const rcutils_log_location_t*, int severity, const char* name, rc
   va_end(copy);
   std::string text(size < 0 ? 0 : static_cast<std::size_t>(size), ' ');
   std::vsnprintf(text.data(), text.size() + 1, format, *arguments);
-  Lines::instance().add(std::string("[") + g_rcutils_log_severity_names[severity] + "] [" + name + "]: " + text);
+  Lines::instance().add(severity,
+                        std::string("[") + g_rcutils_log_severity_names[severity] + "] [" + name + "]: " + text);
 }
 
 /// The numbers of messages that nodes published since the last tick, by node, then by "topic/field".
@@ -142,14 +155,26 @@ class Guest {
       arguments.emplace_back(RCL_SHORT_PARAM_FLAG);
       arguments.push_back(name + ":=" + value);
     }
+    for (const std::string& file : options_.parameter_files) {
+      arguments.emplace_back(RCL_PARAM_FILE_FLAG);
+      arguments.push_back(file);
+    }
     arguments.emplace_back("--");
     arguments.insert(arguments.end(), options_.arguments.begin(), options_.arguments.end());
     options.arguments(arguments);
     node_ = maker_(options);
-    name_ = node_.get_node_base_interface()->get_fully_qualified_name();
-    PublishedNumbers::instance().listen_to(name_);
-    executor_.emplace();
-    executor_->add_node(node_.get_node_base_interface());
+    if (const auto& driver = node_.rehearse_driver()) {
+      driver->initialize(io, options_of_driver(arguments));
+      executor_ = driver->executor();
+      names_ = driver->nodes();
+    } else {
+      if (!options_.place_of_controllers.IsNull())
+        throw mistake(options_.place_of_controllers, "a node has no controllers, and needs no description");
+      names_ = {node_.get_node_base_interface()->get_fully_qualified_name()};
+      executor_ = std::make_shared<rclcpp::executors::SingleThreadedExecutor>();
+      executor_->add_node(node_.get_node_base_interface());
+    }
+    for (const std::string& name : names_) PublishedNumbers::instance().listen_to(name);
     executor_->add_node(robot_);
     if (is_managed() && options_.configures) transition("configure");
     if (is_managed() && options_.activates) transition("activate");
@@ -161,13 +186,16 @@ class Guest {
     while (next_event_ != options_.events.end() && is_due(*next_event_)) run(*next_event_++);
     for (const auto& source : sources_) source->publish();
     spin();
+    if (const auto& driver = node_.rehearse_driver()) driver->control();
     for (RobotSink& sink : sinks_) sink.command();
     return REHEARSE_OK;
   }
 
-  void end_call() {
-    Lines::instance().print(io_);
-    if (!name_.empty()) PublishedNumbers::instance().record(name_);
+  /// Returns the line that tells most about a failure; empty: there is none.
+  std::string end_call() {
+    std::string worst = Lines::instance().print(io_);
+    for (const std::string& name : names_) PublishedNumbers::instance().record(name);
+    return worst;
   }
   rehearse_io* io() const { return io_; }
 
@@ -178,7 +206,16 @@ class Guest {
       if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
     return name;
   }
-  bool is_managed() const { return find_service(name_ + "/change_state") != nullptr; }
+  /// Of its node, or of the first node of its driver.
+  const std::string& name() const { return names_.front(); }
+  rehearse_ros2::DriverOptions options_of_driver(const std::vector<std::string>& arguments) const {
+    rehearse_ros2::DriverOptions options{
+        arguments, options_.parameter_files, options_.description, options_.controllers, {}};
+    for (const GuestEvent& event : options_.events)
+      options.others.insert(options.others.end(), event.activate.begin(), event.activate.end());
+    return options;
+  }
+  bool is_managed() const { return find_service(name() + "/change_state") != nullptr; }
   static std::shared_ptr<rclcpp::ServiceBase> find_service(const std::string& service) {
     const rehearse_ros2::BusLock lock(rehearse_ros2::Bus::instance().mutex);
     const auto found = rclcpp::rehearse_services().find(service);
@@ -190,7 +227,7 @@ class Guest {
   void spin() {
     for (int i = 0; i < most_callbacks; ++i)
       if (!executor_->rehearse_spin_one()) return;
-    throw std::runtime_error("'" + name_ + "' is never idle: " + std::to_string(most_callbacks) +
+    throw std::runtime_error("'" + name() + "' is never idle: " + std::to_string(most_callbacks) +
                              " callbacks were called in one tick");
   }
 
@@ -210,11 +247,11 @@ class Guest {
   }
 
   void transition(const std::string& label) {
-    const auto response = call(name_ + "/change_state", [&](void* request, const auto&) {
+    const auto response = call(name() + "/change_state", [&](void* request, const auto&) {
       static_cast<ChangeState::Request*>(request)->transition.label = label;
     });
     if (!static_cast<const ChangeState::Response*>(response.get())->success)
-      throw std::runtime_error("the transition '" + label + "' of '" + name_ + "' failed");
+      throw std::runtime_error("the transition '" + label + "' of '" + name() + "' failed");
   }
 
   void run(const GuestEvent& event) {
@@ -227,6 +264,9 @@ class Guest {
         });
         return;
       case GuestEvent::Deed::set_parameters: return set_parameters(event);
+      case GuestEvent::Deed::switch_controllers:
+        if (!node_.rehearse_driver()) throw mistake(event.place, "a node has no controllers to activate");
+        return node_.rehearse_driver()->switch_controllers(event.activate, event.deactivate, event.is_strict);
     }
   }
 
@@ -244,14 +284,14 @@ class Guest {
   }
 
   void set_parameters(const GuestEvent& event) {
-    const auto response = call(name_ + "/set_parameters_atomically", [&](void* request, const auto&) {
+    const auto response = call(name() + "/set_parameters_atomically", [&](void* request, const auto&) {
       auto& parameters = static_cast<rcl_interfaces::srv::SetParametersAtomically::Request*>(request)->parameters;
       for (const auto& [parameter, value] : event.parameters)
         parameters.push_back(rclcpp::Parameter(parameter, rehearse_ros2::value_of_text(value)).to_parameter_msg());
     });
     const auto& result =
         static_cast<const rcl_interfaces::srv::SetParametersAtomically::Response*>(response.get())->result;
-    if (!result.successful) throw std::runtime_error("'" + name_ + "' refused parameters: " + result.reason);
+    if (!result.successful) throw std::runtime_error("'" + name() + "' refused parameters: " + result.reason);
   }
 
   // In the order of their making: what is last goes first.
@@ -260,13 +300,13 @@ class Guest {
   rehearse_io* io_ = nullptr;
   GuestOptions options_;
   std::list<GuestEvent>::const_iterator next_event_;
-  std::string name_;  // of its node; empty: it isn't made yet
+  std::vector<std::string> names_;  // of its nodes; empty: they aren't made yet
   std::shared_ptr<rclcpp::Node> robot_;
   std::vector<std::unique_ptr<RobotSource>> sources_;
   std::vector<RobotSink> sinks_;
   std::map<std::string, std::shared_ptr<rehearse_ros2::Endpoint>> publishers_;
   rclcpp_components::NodeInstanceWrapper node_;
-  std::optional<rclcpp::executors::SingleThreadedExecutor> executor_;
+  std::shared_ptr<rclcpp::Executor> executor_;
 };
 
 /// Calls the code; an exception is the sentence of a failure.
@@ -280,7 +320,8 @@ int guarded(void* self, rehearse_io* io, Code code) {
   } catch (const std::exception& thrown) {
     problem = thrown.what();
   }
-  if (guest.io() != nullptr) guest.end_call();
+  const std::string logged = guest.io() != nullptr ? guest.end_call() : "";
+  if (!problem.empty() && !logged.empty()) problem += "; its log: " + logged;
   return problem.empty() ? result : rehearse_set_error(io, problem.c_str());
 }
 
