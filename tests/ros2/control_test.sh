@@ -31,12 +31,14 @@ if ! colcon --log-base log build --merge-install --base-paths "$root/controllers
 fi
 sourced install/local_setup.sh
 
-# The arm of the fixtures, with what ros2_control knows of it.
-{
-  sed '/<\/robot>/d' "$root/fixtures/models/six_joint_arm.urdf"
-  cat "$tests/control/arm.ros2_control.xml"
+# describe ROBOT MODEL: a model of the fixtures, with what ros2_control knows of the robot.
+describe() {
+  sed '/<\/robot>/d' "$root/fixtures/models/$2.urdf"
+  cat "$tests/control/$1.ros2_control.xml"
   echo '</robot>'
-} > arm.urdf
+}
+describe arm six_joint_arm > arm.urdf
+describe pendulum pendulum > pendulum.urdf
 cp "$tests"/control/*.yaml .
 
 # last TOPIC RECORDING: the last message of the topic.
@@ -91,6 +93,35 @@ expect 0 "data=0.4" last "${commanded}J3%2Fposition" forward.mcap
 expect 0 "data=3" last /Arm/Manager/variable/both%2Fstate forward.mcap
 expect 0 "data=2" last /Arm/Manager/variable/shoulder%2Fstate forward.mcap
 
+begin "a goal of an action is followed"
+sed 's/duration: 1.5/duration: 3/; /publish:/,$d' trajectory_run.yaml > goal_run.yaml
+cat >> goal_run.yaml << 'end'
+              goal: /arm/follow_joint_trajectory
+              message:
+                trajectory:
+                  joint_names: [J1, J2, J3, J4, J5, J6]
+                  points: [{positions: [0.3, 0.2, 0.4, -0.5, 0.6, 0.7], time_from_start: {sec: 1}}]
+end
+expect 0 "" rehearse record goal_run.yaml -o goal.mcap
+expect 0 "[INFO] [/arm/follow_joint_trajectory]: the goal succeeded" rehearse cat --topics /events goal.mcap
+sed 's/joint_names: \[J1, /joint_names: [J9, /' goal_run.yaml > wrong.yaml
+expect 3 "the action '/arm/follow_joint_trajectory' rejected the goal" rehearse record wrong.yaml -o wrong.mcap
+
+begin "an asynchronous controller has one result"
+sed -i 's/{joints: \[J2\], interface_name: position}/{joints: [J2], interface_name: position, is_async: true}/' forward.yaml
+expect 0 "" rehearse record forward_run.yaml -o forward.mcap
+expect 0 "is_async" grep is_async forward.yaml
+expect 0 "" rehearse record forward_run.yaml -o again.mcap
+expect 0 "equal bit for bit" rehearse diff forward.mcap again.mcap
+cp "$tests/control/forward.yaml" .
+
+begin "sensors are devices, and what the robot doesn't have keeps its first value"
+expect 0 "" rehearse record sensors_run.yaml -o sensors.mcap
+for series in gyro%2Fangular_velocity.y imu%2Flinear_acceleration.z imu%2Fangular_velocity.y hinge%2Fposition; do
+  expect 0 "/Pendulum/Manager/variable/state%2F$series" rehearse info sensors.mcap
+done
+expect 0 "the robot has no 'hinge/temperature': it keeps its first value" rehearse cat --topics /events sensors.mcap
+
 begin "periods are those of the cycle"
 expect 0 "" rehearse record failing_run.yaml -o failing.mcap
 expect 0 "data=0.009899999" last "${commanded}J1%2Fposition" failing.mcap    # 99 cycles of 1 ms at 0.1 rad/s
@@ -109,6 +140,17 @@ begin "failures in a cycle name the controller and the tick"
 fails error "update() failed, so the manager deactivated 'arm'"
 fails exception "the arm is cold"
 fails nan "the controller 'arm' commands nan to 'J1/position'"
+
+begin "a fallback controller takes over"
+sed 's/{failure: none}/{failure: error}/' "$tests/control/failing.yaml" > failing.yaml
+sed -i 's|arm: {type: test_controllers/Failing}|arm: {type: test_controllers/Failing, fallback_controllers: [hold]}|' failing.yaml
+cat >> failing.yaml << 'end'
+hold:
+  ros__parameters: {type: forward_command_controller/ForwardCommandController, joints: [J1], interface_name: position}
+end
+expect 0 "" rehearse record failing_run.yaml -o failing.mcap
+expect 0 "data=3" last /Arm/Manager/variable/hold%2Fstate failing.mcap
+expect 0 "data=2" last /Arm/Manager/variable/arm%2Fstate failing.mcap
 
 # mistake TEXT PATTERN: the scenario with forward controllers, changed by the pattern of sed, fails with this text.
 mistake() {

@@ -1,3 +1,5 @@
+# shellcheck shell=bash disable=SC2034
+# (the scripts that source it use the variables)
 # What the scripts of this folder have in common: the commands `begin` and `expect`. After them $failed is 1 if one failed.
 failed=0
 # begin NAME: what the next commands test.

@@ -42,7 +42,8 @@ expect 0 "" rehearse record "$hold" -o hold.mcap
 expect 0 "[INFO] [hold]: rests at 0.0 rad" rehearse cat --topics /events hold.mcap
 expect 0 "/Pendulum/Hold/variable/hold%2Fangle%2Fdata" rehearse info hold.mcap
 
-begin "messages, parameters and calls of the scenario reach the node"
+begin "messages, parameters, calls and goals of the scenario reach the node"
+expect 0 "[INFO] [/hold/turn]: the goal succeeded" rehearse cat --topics /events hold.mcap
 expect 0 "[hold]: at 0.178 rad" rehearse cat --topics /events hold.mcap
 
 begin "a node in a thread of its own hears the other one"
@@ -88,6 +89,7 @@ mistake 3 "the robot has no joint 'knee'" 's/\[hinge\]/[knee]/'
 mistake 3 "'a' is no value of this field" 's/{data: 0.2}/{data: a}/'
 mistake 3 "'request' doesn't belong to 'publish'" 's/message: {data: 0.2}/request: {data: 0.2}/'
 mistake 3 "options, line 7: parameters are a map of names and values" 's/{stiffness: 50.0}/50.0/'
+mistake 3 "nobody has the action '/hold/go'" 's|goal: /hold/turn|goal: /hold/go|'
 mistake 3 "bad file: none.yaml" 's/{damping: 5.0}/none.yaml/'
 mistake 3 "options, line 4: a node has no controllers" 's/parameters: {damping: 5.0}/controllers: [arm]/'
 mistake 3 "'strictness' belongs to activate and deactivate" 's/message: {data: 0.2}/strictness: strict/'

@@ -187,6 +187,10 @@ class ControllerManager final : public rehearse_ros2::RobotDriver {
       throw std::runtime_error("the controller '" + name + "' can't be configured");
     controllers_.push_back({name, interface, interface->command_interface_configuration().names});
     robot_->choose_drives(name, controllers_.back().claimed);
+    for (const auto& specification : manager_->get_loaded_controllers())
+      if (specification.info.name == name)
+        for (const std::string& fallback : specification.info.fallback_controllers_names)
+          if (!is_loaded(fallback)) load(fallback, files);
   }
 
   void cycle() {

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <rcl_interfaces/srv/set_parameters_atomically.hpp>
+#include <rclcpp_action/rclcpp_action.hpp>
 #include <string>
 #include <vector>
 
@@ -258,6 +259,7 @@ class Guest {
     switch (event.deed) {
       case GuestEvent::Deed::publish: return publish(event);
       case GuestEvent::Deed::transition: return transition(event.target);
+      case GuestEvent::Deed::goal: return send_goal(event);
       case GuestEvent::Deed::call:
         call(event.target, [&](void* request, const rehearse_ros2::MessageMembers& type) {
           if (!event.content.IsNull()) set_fields(request, type, event.content);
@@ -281,6 +283,36 @@ class Guest {
     const auto message = rehearse_ros2::make_message(*type);
     if (!event.content.IsNull()) set_fields(message.get(), *type, event.content);
     rehearse_ros2::Topics::instance().publish(*publisher, message);
+  }
+
+  /// Sends the goal, which must be accepted in this tick. How it ends is a line of the log.
+  void send_goal(const GuestEvent& event) {
+    std::shared_ptr<rclcpp_action::ServerBase> server;
+    {
+      const rehearse_ros2::BusLock lock(rehearse_ros2::Bus::instance().mutex);
+      const auto found = rclcpp_action::rehearse_servers().find(event.target);
+      if (found != rclcpp_action::rehearse_servers().end()) server = found->second.lock();
+    }
+    if (!server) throw std::runtime_error("nobody has the action '" + event.target + "'");
+    const auto goal = rehearse_ros2::make_message(server->rehearse_goal_type());
+    if (!event.content.IsNull()) set_fields(goal.get(), server->rehearse_goal_type(), event.content);
+    rclcpp_action::GoalListener listener;
+    listener.on_feedback = [](std::shared_ptr<const void>) {};
+    listener.on_status = [](std::int8_t) {};
+    listener.on_end = [action = event.target](std::int8_t status, std::shared_ptr<void>) {
+      const bool has_succeeded = status == rclcpp_action::GoalStatus::STATUS_SUCCEEDED;
+      const bool is_canceled = status == rclcpp_action::GoalStatus::STATUS_CANCELED;
+      Lines::instance().add(RCUTILS_LOG_SEVERITY_INFO, "[INFO] [" + action + "]: the goal " +
+                                                           (has_succeeded ? "succeeded"
+                                                            : is_canceled ? "was canceled"
+                                                                          : "was aborted"));
+    };
+    const auto answer = std::make_shared<std::optional<bool>>();
+    server->rehearse_send_goal(rclcpp_action::rehearse_next_id(), goal, listener,
+                               [answer](bool is_accepted) { *answer = is_accepted; });
+    spin();
+    if (!*answer) throw std::runtime_error("the action '" + event.target + "' didn't answer in the tick of the goal");
+    if (!**answer) throw std::runtime_error("the action '" + event.target + "' rejected the goal");
   }
 
   void set_parameters(const GuestEvent& event) {

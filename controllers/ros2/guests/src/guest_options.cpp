@@ -22,6 +22,7 @@ struct DeedRow {
 };
 constexpr DeedRow deeds[] = {{"publish", GuestEvent::Deed::publish, "message"},
                              {"call", GuestEvent::Deed::call, "request"},
+                             {"goal", GuestEvent::Deed::goal, "message"},
                              {"set_parameters", GuestEvent::Deed::set_parameters, nullptr},
                              {"transition", GuestEvent::Deed::transition, nullptr},
                              {"activate", GuestEvent::Deed::switch_controllers, nullptr},
@@ -84,7 +85,7 @@ void add_parameters(const YAML::Node& map, const std::string& prefix, ParameterT
 }
 
 constexpr const char* one_deed =
-    "an event is one of publish, call, set_parameters, transition, activate with deactivate";
+    "an event is one of publish, call, goal, set_parameters, transition, activate with deactivate";
 
 bool is_content(const std::string& key) {
   return std::any_of(std::begin(deeds), std::end(deeds),

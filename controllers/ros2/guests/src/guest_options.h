@@ -25,10 +25,10 @@ struct TopicBinding {
 using ParameterTexts = std::vector<std::pair<std::string, std::string>>;
 
 struct GuestEvent {
-  enum class Deed { publish, call, set_parameters, transition, switch_controllers };
+  enum class Deed { publish, call, goal, set_parameters, transition, switch_controllers };
   double at = 0.0;  // [s]
   Deed deed = Deed::publish;
-  std::string target;  // the topic, the service or the transition
+  std::string target;  // the topic, the service, the action or the transition
   YAML::Node content;  // the fields of the message or the request; null: none
   ParameterTexts parameters;
   std::vector<std::string> activate, deactivate;  // controllers
