@@ -42,6 +42,7 @@ describe pendulum pendulum > pendulum.urdf
 cp "$tests"/control/*.yaml .
 
 # last TOPIC RECORDING: the last message of the topic.
+# shellcheck disable=SC2317  # it is called by expect
 last() { rehearse cat --topics "$1" "$2" | tail -n 1; }
 commanded=/Arm/Manager/variable/command%2F
 
@@ -85,6 +86,28 @@ begin "a smaller gain is found: the joint and the file are named"
 sed -i 's/J2: {p: 2000.0/J2: {p: 1990.0/' trajectory.yaml
 expect 1 "trajectory.yaml has changed since the recording" rehearse check trajectory_run.yaml --golden trajectory.mcap
 expect 1 "J2/u" rehearse replay trajectory.mcap
+
+begin "faults of parameters are found in a replay without physics"
+# fault PATTERN TEXT: a replay with parameters that are changed by the pattern of sed differs, and says this.
+fault() {
+  sed "$1" "$tests/control/trajectory.yaml" > trajectory.yaml
+  expect 1 "$2" rehearse replay trajectory.mcap
+}
+fault 's/J3: {p: 400.0, d: 12.0}/J3: {p: 400.0, d: 12.1}/' "J3/u"
+fault 's/J5: {p: 20.0/J5: {p: -20.0/' "J5/u"
+fault 's/gains:/interpolation_method: none\n    gains:/' "/u is"
+fault 's/J2: {/J2: {ff_velocity_scale: 0.01, /' "J2/u"
+fault 's/update_rate: 500/update_rate: 250/' "/u is"
+fault 's/J4: {p: 5.0/J4: {i: 0.5, i_clamp_max: 1.0, i_clamp_min: -1.0, p: 5.0/' "J4/u"
+cp "$tests/control/trajectory.yaml" .
+expect 0 "equal bit for bit" rehearse replay trajectory.mcap
+
+begin "a chain of a trajectory and a PID controller has its closed form"
+expect 0 "" rehearse record chain_run.yaml -o chain.mcap
+expect 0 "largest effort" python3 "$tests/control/closed_form.py" chain.mcap
+sed -i 's/p: 900.0/p: 900.000000001/' chain.yaml
+expect 0 "" rehearse record chain_run.yaml -o chain.mcap
+expect 1 "largest effort" python3 "$tests/control/closed_form.py" chain.mcap
 
 begin "messages are forwarded, and events switch controllers"
 expect 0 "" rehearse record forward_run.yaml -o forward.mcap
