@@ -39,6 +39,7 @@ describe() {
 }
 describe arm six_joint_arm > arm.urdf
 describe pendulum pendulum > pendulum.urdf
+describe scout scout > scout.urdf
 cp "$tests"/control/*.yaml .
 
 # last TOPIC RECORDING: the last message of the topic.
@@ -129,6 +130,18 @@ expect 0 "" rehearse record goal_run.yaml -o goal.mcap
 expect 0 "[INFO] [/arm/follow_joint_trajectory]: the goal succeeded" rehearse cat --topics /events goal.mcap
 sed 's/joint_names: \[J1, /joint_names: [J9, /' goal_run.yaml > wrong.yaml
 expect 3 "the action '/arm/follow_joint_trajectory' rejected the goal" rehearse record wrong.yaml -o wrong.mcap
+
+begin "a robot drives by the velocities of its wheels"
+if [[ -e $workspace/share/diff_drive_controller ]]; then
+  expect 0 "" rehearse record drive_run.yaml -o drive.mcap
+  # (0.4 m/s -+ 0.5 rad/s 0.16 m) / 0.1 m
+  expect 0 "data=3.1999999" last /Scout/Manager/variable/command%2FLEFT_WHEEL%2Fvelocity drive.mcap
+  expect 0 "data=4.8" last /Scout/Manager/variable/command%2FRIGHT_WHEEL%2Fvelocity drive.mcap
+  expect 0 "data=0.399" last /Scout/Manager/variable/drive%2Fodom%2Ftwist%2Ftwist%2Flinear%2Fx drive.mcap
+  expect 0 "equal bit for bit" rehearse replay drive.mcap
+else
+  echo "left out: $test_name: the workspace has no diff_drive_controller"
+fi
 
 begin "an asynchronous controller has one result"
 sed -i 's/{joints: \[J2\], interface_name: position}/{joints: [J2], interface_name: position, is_async: true}/' forward.yaml
