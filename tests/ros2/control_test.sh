@@ -151,6 +151,13 @@ expect 0 "" rehearse record forward_run.yaml -o again.mcap
 expect 0 "equal bit for bit" rehearse diff forward.mcap again.mcap
 cp "$tests/control/forward.yaml" .
 
+begin "two robots have a manager each, in namespaces"
+sed 's|^\([a-z_]*\):$|/**/\1:|' forward.yaml > wild.yaml
+expect 0 "" rehearse record two_run.yaml -o two.mcap
+expect 0 "data=0.1" last "/Left/Manager/variable/command%2FJ3%2Fposition" two.mcap
+expect 0 "data=0.2" last "/Right/Manager/variable/command%2FJ3%2Fposition" two.mcap
+expect 0 "equal bit for bit" rehearse replay two.mcap
+
 begin "sensors are devices, and what the robot doesn't have keeps its first value"
 expect 0 "" rehearse record sensors_run.yaml -o sensors.mcap
 for series in gyro%2Fangular_velocity.y imu%2Flinear_acceleration.z imu%2Fangular_velocity.y hinge%2Fposition; do

@@ -34,12 +34,13 @@ std::uint8_t state_of(const controller_interface::ControllerInterfaceBase& contr
 #endif
 }
 
-/// The type that the controller's own section of a file states, as the spawner reads it. Empty: none.
-std::string type_in(const std::vector<std::string>& files, const std::string& controller) {
+/// The type that the controller's own section of a file states, as the spawner reads it. Empty: none. `full`: the
+/// controller's name with its namespace.
+std::string type_in(const std::vector<std::string>& files, const std::string& controller, const std::string& full) {
   for (const std::string& file : files) {
     const YAML::Node root = YAML::LoadFile(file);
     if (!root.IsMap()) continue;
-    for (const std::string& key : {controller, "/" + controller})
+    for (const std::string& key : {controller, full, "/**/" + controller, "/**" + full})
       if (const YAML::Node section = root[key]; section && section.IsMap())
         if (const YAML::Node parameters = section["ros__parameters"]; parameters && parameters.IsMap())
           if (const YAML::Node type = parameters["type"]; type && type.IsScalar()) return type.Scalar();
@@ -165,6 +166,11 @@ class ControllerManager final : public rehearse_ros2::RobotDriver {
                        [&](const Controller& controller) { return controller.name == name; });
   }
 
+  std::string full_name_of(const std::string& controller) const {
+    const std::string space = manager_->get_namespace();
+    return space + (space == "/" ? "" : "/") + controller;
+  }
+
   void find_ticks_of_cycle() {
     const double ticks = 1.0 / (manager_->get_update_rate() * rehearse_time_step(io_));
     ticks_of_cycle_ = std::llround(ticks);
@@ -178,7 +184,7 @@ class ControllerManager final : public rehearse_ros2::RobotDriver {
     if (!files.empty() && !manager_->has_parameter(name + ".params_file"))
       manager_->declare_parameter(name + ".params_file", files);
     if (!manager_->has_parameter(name + ".type"))
-      if (const std::string type = type_in(files, name); !type.empty())
+      if (const std::string type = type_in(files, name, full_name_of(name)); !type.empty())
         manager_->declare_parameter(name + ".type", type);
     const auto interface = manager_->load_controller(name);
     if (!interface) throw std::runtime_error("the controller '" + name + "' can't be loaded");
