@@ -12,27 +12,8 @@ if ! [[ -e $prefix/setup.sh ]] || ! command -v colcon > /dev/null; then
 fi
 export PATH=$build/bin:/usr/bin:/bin CMAKE_GENERATOR=Ninja
 
-failed=0
-# begin NAME: what the next commands test.
-test_name=
-begin() { test_name=$1; }
-fail() {
-  echo "FAILED: $test_name: $*"
-  failed=1
-}
-# expect STATUS TEXT COMMAND...: the command ends with this status, and its output contains the text.
-expect() {
-  local status=$1 text=$2 output actual=0
-  shift 2
-  output=$("$@" 2>&1) || actual=$?
-  if ((actual != status)); then
-    fail "status $actual, not $status, of: $*"
-    echo "$output"
-  elif [[ $output != *"$text"* ]]; then
-    fail "no '$text' in the output of: $*"
-    echo "$output"
-  fi
-}
+# shellcheck source-path=SCRIPTDIR
+source "$tests/expect.sh"
 
 begin "setup.sh is refused beside another rclcpp"
 mkdir -p "$work/other/share/rclcpp"
@@ -40,10 +21,7 @@ expect 1 "$work/other has another rclcpp" env AMENT_PREFIX_PATH="$work/other" sh
 
 mkdir -p "$work"
 cd "$work"
-set +u
-# shellcheck disable=SC1091
-source "$prefix/setup.sh"
-set -u
+sourced "$prefix/setup.sh"
 
 begin "the packages are built by colcon"
 if ! colcon --log-base log build --merge-install --base-paths "$tests/packages" --build-base build --install-base install \
@@ -52,10 +30,7 @@ if ! colcon --log-base log build --merge-install --base-paths "$tests/packages" 
   echo "FAILED: $test_name"
   exit 1
 fi
-set +u
-# shellcheck disable=SC1091
-source install/local_setup.sh
-set -u
+sourced install/local_setup.sh
 
 begin "the client library behaves as its documents say"
 expect 0 "[  PASSED  ]" install/lib/rehearse_client_library_tests/client_library_test
@@ -67,7 +42,8 @@ expect 0 "" rehearse record "$hold" -o hold.mcap
 expect 0 "[INFO] [hold]: rests at 0.0 rad" rehearse cat --topics /events hold.mcap
 expect 0 "/Pendulum/Hold/variable/hold%2Fangle%2Fdata" rehearse info hold.mcap
 
-begin "messages, parameters and calls of the scenario reach the node"
+begin "messages, parameters, calls and goals of the scenario reach the node"
+expect 0 "[INFO] [/hold/turn]: the goal succeeded" rehearse cat --topics /events hold.mcap
 expect 0 "[hold]: at 0.178 rad" rehearse cat --topics /events hold.mcap
 
 begin "a node in a thread of its own hears the other one"
@@ -113,6 +89,11 @@ mistake 3 "the robot has no joint 'knee'" 's/\[hinge\]/[knee]/'
 mistake 3 "'a' is no value of this field" 's/{data: 0.2}/{data: a}/'
 mistake 3 "'request' doesn't belong to 'publish'" 's/message: {data: 0.2}/request: {data: 0.2}/'
 mistake 3 "options, line 7: parameters are a map of names and values" 's/{stiffness: 50.0}/50.0/'
+mistake 3 "nobody has the action '/hold/go'" 's|goal: /hold/turn|goal: /hold/go|'
+mistake 3 "bad file: none.yaml" 's/{damping: 5.0}/none.yaml/'
+mistake 3 "options, line 4: a node has no controllers" 's/parameters: {damping: 5.0}/controllers: [arm]/'
+mistake 3 "'strictness' belongs to activate and deactivate" 's/message: {data: 0.2}/strictness: strict/'
+mistake 3 "a node has no controllers to activate" 's|publish: /hold/target, message: {data: 0.2}|activate: [arm]|'
 mistake 2 "it has test_nodes::Filter" 's/test_nodes::Hold/test_nodes::Hole/'
 mistake 2 "not found" 's/libtest_nodes.so:test_nodes::Hold/libnone.so:test_nodes::Hold/'
 mistake 3 "no more" 's/test_nodes::Filter/test_nodes::Thrower/'

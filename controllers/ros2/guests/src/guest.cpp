@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <rcl_interfaces/srv/set_parameters_atomically.hpp>
+#include <rclcpp_action/rclcpp_action.hpp>
 #include <string>
 #include <vector>
 
@@ -30,22 +31,34 @@ class Lines {
     static Lines lines;
     return lines;
   }
-  void add(std::string line) {
+  void add(int severity, std::string line) {
     const std::lock_guard lock(mutex_);
+    if (severity >= RCUTILS_LOG_SEVERITY_WARN && severity > worst_severity_) {
+      worst_severity_ = severity;
+      worst_ = line;
+    }
     lines_.push_back(std::move(line));
   }
-  void print(rehearse_io* io) {
+  /// Prints the lines since the last call. Returns the first of those of the greatest level; empty: there is no warning
+  /// or error.
+  std::string print(rehearse_io* io) {
     std::vector<std::string> lines;
+    std::string worst;
     {
       const std::lock_guard lock(mutex_);
       lines.swap(lines_);
+      worst.swap(worst_);
+      worst_severity_ = 0;
     }
     for (const std::string& line : lines) rehearse_print(io, (line + "\n").c_str());
+    return worst;
   }
 
  private:
   std::mutex mutex_;
   std::vector<std::string> lines_;
+  int worst_severity_ = 0;
+  std::string worst_;
 };
 
 void take_line(const rcutils_log_location_t*, int severity, const char* name, rcutils_time_point_value_t,
@@ -56,7 +69,8 @@ void take_line(const rcutils_log_location_t*, int severity, const char* name, rc
   va_end(copy);
   std::string text(size < 0 ? 0 : static_cast<std::size_t>(size), ' ');
   std::vsnprintf(text.data(), text.size() + 1, format, *arguments);
-  Lines::instance().add(std::string("[") + g_rcutils_log_severity_names[severity] + "] [" + name + "]: " + text);
+  Lines::instance().add(severity,
+                        std::string("[") + g_rcutils_log_severity_names[severity] + "] [" + name + "]: " + text);
 }
 
 /// The numbers of messages that nodes published since the last tick, by node, then by "topic/field".
@@ -142,14 +156,26 @@ class Guest {
       arguments.emplace_back(RCL_SHORT_PARAM_FLAG);
       arguments.push_back(name + ":=" + value);
     }
+    for (const std::string& file : options_.parameter_files) {
+      arguments.emplace_back(RCL_PARAM_FILE_FLAG);
+      arguments.push_back(file);
+    }
     arguments.emplace_back("--");
     arguments.insert(arguments.end(), options_.arguments.begin(), options_.arguments.end());
     options.arguments(arguments);
     node_ = maker_(options);
-    name_ = node_.get_node_base_interface()->get_fully_qualified_name();
-    PublishedNumbers::instance().listen_to(name_);
-    executor_.emplace();
-    executor_->add_node(node_.get_node_base_interface());
+    if (const auto& driver = node_.rehearse_driver()) {
+      driver->initialize(io, options_of_driver(arguments));
+      executor_ = driver->executor();
+      names_ = driver->nodes();
+    } else {
+      if (!options_.place_of_controllers.IsNull())
+        throw mistake(options_.place_of_controllers, "a node has no controllers, and needs no description");
+      names_ = {node_.get_node_base_interface()->get_fully_qualified_name()};
+      executor_ = std::make_shared<rclcpp::executors::SingleThreadedExecutor>();
+      executor_->add_node(node_.get_node_base_interface());
+    }
+    for (const std::string& name : names_) PublishedNumbers::instance().listen_to(name);
     executor_->add_node(robot_);
     if (is_managed() && options_.configures) transition("configure");
     if (is_managed() && options_.activates) transition("activate");
@@ -161,13 +187,16 @@ class Guest {
     while (next_event_ != options_.events.end() && is_due(*next_event_)) run(*next_event_++);
     for (const auto& source : sources_) source->publish();
     spin();
+    if (const auto& driver = node_.rehearse_driver()) driver->control();
     for (RobotSink& sink : sinks_) sink.command();
     return REHEARSE_OK;
   }
 
-  void end_call() {
-    Lines::instance().print(io_);
-    if (!name_.empty()) PublishedNumbers::instance().record(name_);
+  /// Returns the line that tells most about a failure; empty: there is none.
+  std::string end_call() {
+    std::string worst = Lines::instance().print(io_);
+    for (const std::string& name : names_) PublishedNumbers::instance().record(name);
+    return worst;
   }
   rehearse_io* io() const { return io_; }
 
@@ -178,7 +207,16 @@ class Guest {
       if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
     return name;
   }
-  bool is_managed() const { return find_service(name_ + "/change_state") != nullptr; }
+  /// Of its node, or of the first node of its driver.
+  const std::string& name() const { return names_.front(); }
+  rehearse_ros2::DriverOptions options_of_driver(const std::vector<std::string>& arguments) const {
+    rehearse_ros2::DriverOptions options{
+        arguments, options_.parameter_files, options_.description, options_.controllers, {}};
+    for (const GuestEvent& event : options_.events)
+      options.others.insert(options.others.end(), event.activate.begin(), event.activate.end());
+    return options;
+  }
+  bool is_managed() const { return find_service(name() + "/change_state") != nullptr; }
   static std::shared_ptr<rclcpp::ServiceBase> find_service(const std::string& service) {
     const rehearse_ros2::BusLock lock(rehearse_ros2::Bus::instance().mutex);
     const auto found = rclcpp::rehearse_services().find(service);
@@ -190,7 +228,7 @@ class Guest {
   void spin() {
     for (int i = 0; i < most_callbacks; ++i)
       if (!executor_->rehearse_spin_one()) return;
-    throw std::runtime_error("'" + name_ + "' is never idle: " + std::to_string(most_callbacks) +
+    throw std::runtime_error("'" + name() + "' is never idle: " + std::to_string(most_callbacks) +
                              " callbacks were called in one tick");
   }
 
@@ -210,23 +248,27 @@ class Guest {
   }
 
   void transition(const std::string& label) {
-    const auto response = call(name_ + "/change_state", [&](void* request, const auto&) {
+    const auto response = call(name() + "/change_state", [&](void* request, const auto&) {
       static_cast<ChangeState::Request*>(request)->transition.label = label;
     });
     if (!static_cast<const ChangeState::Response*>(response.get())->success)
-      throw std::runtime_error("the transition '" + label + "' of '" + name_ + "' failed");
+      throw std::runtime_error("the transition '" + label + "' of '" + name() + "' failed");
   }
 
   void run(const GuestEvent& event) {
     switch (event.deed) {
       case GuestEvent::Deed::publish: return publish(event);
       case GuestEvent::Deed::transition: return transition(event.target);
+      case GuestEvent::Deed::goal: return send_goal(event);
       case GuestEvent::Deed::call:
         call(event.target, [&](void* request, const rehearse_ros2::MessageMembers& type) {
           if (!event.content.IsNull()) set_fields(request, type, event.content);
         });
         return;
       case GuestEvent::Deed::set_parameters: return set_parameters(event);
+      case GuestEvent::Deed::switch_controllers:
+        if (!node_.rehearse_driver()) throw mistake(event.place, "a node has no controllers to activate");
+        return node_.rehearse_driver()->switch_controllers(event.activate, event.deactivate, event.is_strict);
     }
   }
 
@@ -243,15 +285,45 @@ class Guest {
     rehearse_ros2::Topics::instance().publish(*publisher, message);
   }
 
+  /// Sends the goal, which must be accepted in this tick. How it ends is a line of the log.
+  void send_goal(const GuestEvent& event) {
+    std::shared_ptr<rclcpp_action::ServerBase> server;
+    {
+      const rehearse_ros2::BusLock lock(rehearse_ros2::Bus::instance().mutex);
+      const auto found = rclcpp_action::rehearse_servers().find(event.target);
+      if (found != rclcpp_action::rehearse_servers().end()) server = found->second.lock();
+    }
+    if (!server) throw std::runtime_error("nobody has the action '" + event.target + "'");
+    const auto goal = rehearse_ros2::make_message(server->rehearse_goal_type());
+    if (!event.content.IsNull()) set_fields(goal.get(), server->rehearse_goal_type(), event.content);
+    rclcpp_action::GoalListener listener;
+    listener.on_feedback = [](std::shared_ptr<const void>) {};
+    listener.on_status = [](std::int8_t) {};
+    listener.on_end = [action = event.target](std::int8_t status, std::shared_ptr<void>) {
+      const bool has_succeeded = status == rclcpp_action::GoalStatus::STATUS_SUCCEEDED;
+      const bool is_canceled = status == rclcpp_action::GoalStatus::STATUS_CANCELED;
+      Lines::instance().add(RCUTILS_LOG_SEVERITY_INFO, "[INFO] [" + action + "]: the goal " +
+                                                           (has_succeeded ? "succeeded"
+                                                            : is_canceled ? "was canceled"
+                                                                          : "was aborted"));
+    };
+    const auto answer = std::make_shared<std::optional<bool>>();
+    server->rehearse_send_goal(rclcpp_action::rehearse_next_id(), goal, listener,
+                               [answer](bool is_accepted) { *answer = is_accepted; });
+    spin();
+    if (!*answer) throw std::runtime_error("the action '" + event.target + "' didn't answer in the tick of the goal");
+    if (!**answer) throw std::runtime_error("the action '" + event.target + "' rejected the goal");
+  }
+
   void set_parameters(const GuestEvent& event) {
-    const auto response = call(name_ + "/set_parameters_atomically", [&](void* request, const auto&) {
+    const auto response = call(name() + "/set_parameters_atomically", [&](void* request, const auto&) {
       auto& parameters = static_cast<rcl_interfaces::srv::SetParametersAtomically::Request*>(request)->parameters;
       for (const auto& [parameter, value] : event.parameters)
         parameters.push_back(rclcpp::Parameter(parameter, rehearse_ros2::value_of_text(value)).to_parameter_msg());
     });
     const auto& result =
         static_cast<const rcl_interfaces::srv::SetParametersAtomically::Response*>(response.get())->result;
-    if (!result.successful) throw std::runtime_error("'" + name_ + "' refused parameters: " + result.reason);
+    if (!result.successful) throw std::runtime_error("'" + name() + "' refused parameters: " + result.reason);
   }
 
   // In the order of their making: what is last goes first.
@@ -260,13 +332,13 @@ class Guest {
   rehearse_io* io_ = nullptr;
   GuestOptions options_;
   std::list<GuestEvent>::const_iterator next_event_;
-  std::string name_;  // of its node; empty: it isn't made yet
+  std::vector<std::string> names_;  // of its nodes; empty: they aren't made yet
   std::shared_ptr<rclcpp::Node> robot_;
   std::vector<std::unique_ptr<RobotSource>> sources_;
   std::vector<RobotSink> sinks_;
   std::map<std::string, std::shared_ptr<rehearse_ros2::Endpoint>> publishers_;
   rclcpp_components::NodeInstanceWrapper node_;
-  std::optional<rclcpp::executors::SingleThreadedExecutor> executor_;
+  std::shared_ptr<rclcpp::Executor> executor_;
 };
 
 /// Calls the code; an exception is the sentence of a failure.
@@ -280,7 +352,8 @@ int guarded(void* self, rehearse_io* io, Code code) {
   } catch (const std::exception& thrown) {
     problem = thrown.what();
   }
-  if (guest.io() != nullptr) guest.end_call();
+  const std::string logged = guest.io() != nullptr ? guest.end_call() : "";
+  if (!problem.empty() && !logged.empty()) problem += "; its log: " + logged;
   return problem.empty() ? result : rehearse_set_error(io, problem.c_str());
 }
 

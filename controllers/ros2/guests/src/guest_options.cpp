@@ -22,8 +22,11 @@ struct DeedRow {
 };
 constexpr DeedRow deeds[] = {{"publish", GuestEvent::Deed::publish, "message"},
                              {"call", GuestEvent::Deed::call, "request"},
+                             {"goal", GuestEvent::Deed::goal, "message"},
                              {"set_parameters", GuestEvent::Deed::set_parameters, nullptr},
-                             {"transition", GuestEvent::Deed::transition, nullptr}};
+                             {"transition", GuestEvent::Deed::transition, nullptr},
+                             {"activate", GuestEvent::Deed::switch_controllers, nullptr},
+                             {"deactivate", GuestEvent::Deed::switch_controllers, nullptr}};
 
 std::string text_of(const YAML::Node& node, const std::string& what) {
   if (!node.IsScalar()) throw mistake(node, what + " is a text");
@@ -81,7 +84,8 @@ void add_parameters(const YAML::Node& map, const std::string& prefix, ParameterT
   }
 }
 
-constexpr const char* one_deed = "an event is one of publish, call, set_parameters, transition";
+constexpr const char* one_deed =
+    "an event is one of publish, call, goal, set_parameters, transition, activate with deactivate";
 
 bool is_content(const std::string& key) {
   return std::any_of(std::begin(deeds), std::end(deeds),
@@ -100,11 +104,15 @@ GuestEvent read_event(const YAML::Node& node) {
   const DeedRow* deed = nullptr;
   for (const auto& entry : node) {
     const std::string name = entry.first.Scalar();
-    if (name == "at" || is_content(name)) continue;
-    if (deed != nullptr) throw mistake(entry.first, one_deed);
-    deed = &row_of(deeds, entry.first, name);
+    if (name == "at" || name == "strictness" || is_content(name)) continue;
+    const DeedRow& row = row_of(deeds, entry.first, name);
+    const bool is_switch = row.deed == GuestEvent::Deed::switch_controllers;
+    if (deed != nullptr && !(is_switch && deed->deed == row.deed)) throw mistake(entry.first, one_deed);
+    deed = &row;
     event.deed = deed->deed;
-    if (deed->deed == GuestEvent::Deed::set_parameters)
+    if (is_switch)
+      (name == "activate" ? event.activate : event.deactivate) = texts_of(entry.second, "'" + name + "'");
+    else if (deed->deed == GuestEvent::Deed::set_parameters)
       add_parameters(entry.second, "", event.parameters);
     else
       event.target = text_of(entry.second, "'" + name + "'");
@@ -116,6 +124,14 @@ GuestEvent read_event(const YAML::Node& node) {
     if (deed->content == nullptr || name != deed->content)
       throw mistake(entry.first, "'" + name + "' doesn't belong to '" + deed->name + "'");
     event.content = entry.second;
+  }
+  if (const YAML::Node strictness = node["strictness"]) {
+    const std::string value = text_of(strictness, "'strictness'");
+    if (event.deed != GuestEvent::Deed::switch_controllers)
+      throw mistake(strictness, "'strictness' belongs to activate and deactivate");
+    if (value != "strict" && value != "best_effort")
+      throw mistake(strictness, "'" + value + "' isn't known here; expected best_effort, strict");
+    event.is_strict = value == "strict";
   }
   return event;
 }
@@ -139,7 +155,18 @@ GuestOptions read_guest_options(const std::string& text) {
     if (key == "arguments") {
       options.arguments = texts_of(value, "'arguments'");
     } else if (key == "parameters") {
-      add_parameters(value, "", options.parameters);
+      if (value.IsMap())
+        add_parameters(value, "", options.parameters);
+      else if (value.IsScalar())
+        options.parameter_files.push_back(value.Scalar());
+      else
+        options.parameter_files = texts_of(value, "'parameters'");
+    } else if (key == "description") {
+      options.description = text_of(value, "'description'");
+      options.place_of_controllers = entry.first;
+    } else if (key == "controllers") {
+      options.controllers = texts_of(value, "'controllers'");
+      options.place_of_controllers = entry.first;
     } else if (key == "topics") {
       if (!value.IsMap()) throw mistake(value, "'topics' is a map of topics and parts of the robot");
       for (const auto& topic : value) options.topics.push_back(read_topic(topic.first, topic.second));
@@ -153,8 +180,9 @@ GuestOptions read_guest_options(const std::string& text) {
       options.configures = state != "unconfigured";
       options.activates = state == "active";
     } else {
-      throw mistake(entry.first,
-                    "'" + key + "' isn't known here; expected arguments, events, lifecycle, parameters, topics");
+      throw mistake(entry.first, "'" + key +
+                                     "' isn't known here; expected arguments, controllers, description, events, "
+                                     "lifecycle, parameters, topics");
     }
   }
   options.events.sort([](const GuestEvent& one, const GuestEvent& other) { return one.at < other.at; });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <rclcpp/rclcpp.hpp>
 #include <string>
 
 namespace pal_statistics {

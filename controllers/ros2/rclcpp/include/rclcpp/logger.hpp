@@ -1,6 +1,10 @@
 // Loggers: lines with a level and a name, on the logging of rcutils.
 #pragma once
 
+// ros2_control uses these two without including them.
+#include <cxxabi.h>
+#include <numeric>
+
 #include <rcutils/logging_macros.h>
 
 #include <sstream>

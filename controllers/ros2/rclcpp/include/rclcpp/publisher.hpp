@@ -3,12 +3,14 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <rosidl_runtime_cpp/traits.hpp>
 
 #include "rclcpp/detail/topic.hpp"
+#include "rclcpp/logging.hpp"
 
 namespace rclcpp {
 
@@ -29,6 +31,14 @@ struct PublisherOptionsWithAllocator {
   std::shared_ptr<CallbackGroup> callback_group;
 };
 using PublisherOptions = PublisherOptionsWithAllocator<>;
+
+/// The types that a publisher takes and sends. Here they are one: there are no adapters.
+template <class Custom, class Message = void, class Enable = void>
+struct TypeAdapter {
+  using is_specialized = std::false_type;
+  using custom_type = Custom;
+  using ros_message_type = Custom;
+};
 
 /// A message that a publisher lends. Here it is an ordinary message.
 template <class Message>

@@ -1,6 +1,7 @@
 // Durations, times and clocks. Times of two kinds of clocks are not comparable.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -123,6 +124,7 @@ class Time {
 inline Time operator+(const Duration& duration, const Time& time) { return time + duration; }
 builtin_interfaces::msg::Time convert_rcl_time_to_sec_nanos(const rcl_time_point_value_t& nanoseconds);
 
+/// Copies are the same clock.
 class Clock {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(Clock)
@@ -135,16 +137,19 @@ class Clock {
   bool started() { return true; }
   bool wait_until_started(std::shared_ptr<Context> = nullptr) { return true; }
   bool wait_until_started(const Duration&, std::shared_ptr<Context> = nullptr) { return true; }
-  bool ros_time_is_active() const { return simulated_; }
+  bool ros_time_is_active() const { return shared_->simulated; }
   rcl_clock_type_t get_clock_type() const noexcept { return kind_; }
-  std::mutex& get_clock_mutex() noexcept { return mutex_; }
+  std::mutex& get_clock_mutex() noexcept { return shared_->mutex; }
   /// Called with the value of use_sim_time.
-  void rehearse_set_simulated(bool simulated) { simulated_ = simulated; }
+  void rehearse_set_simulated(bool simulated) { shared_->simulated = simulated; }
 
  private:
+  struct Shared {
+    std::atomic<bool> simulated{false};
+    std::mutex mutex;
+  };
   rcl_clock_type_t kind_;
-  bool simulated_ = false;
-  std::mutex mutex_;
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
 };
 
 class RateBase {

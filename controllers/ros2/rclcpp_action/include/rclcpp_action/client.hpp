@@ -116,11 +116,7 @@ class Client : public RehearseMail, public std::enable_shared_from_this<Client<A
         if (options.goal_response_callback) options.goal_response_callback(is_accepted ? handle : nullptr);
       });
     };
-    const auto copy = std::make_shared<const Goal>(goal_message);
-    const std::weak_ptr<Server<Action>> to = server;
-    server->post(ServerBase::goal, [to, id, copy, listener, answer] {
-      if (const auto there = to.lock()) there->rehearse_take_goal(id, copy, listener, answer);
-    });
+    server->rehearse_send_goal(id, std::make_shared<const Goal>(goal_message), listener, answer);
     return future;
   }
   std::shared_future<WrappedResult> async_get_result(typename GoalHandle::SharedPtr handle,

@@ -78,6 +78,11 @@ class ServerBase : public RehearseMail {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(ServerBase)
   enum Order { goal, cancel };
+  /// The type of its goals.
+  virtual const rehearse_ros2::MessageMembers& rehearse_goal_type() const = 0;
+  /// Gives it a goal of this type. Its executor calls `answer` with true if the goal is accepted.
+  virtual void rehearse_send_goal(const GoalUUID& id, std::shared_ptr<const void> goal, GoalListener listener,
+                                  std::function<void(bool)> answer) = 0;
 };
 
 /// The servers of the process by name, under the lock of the bus.
@@ -94,16 +99,14 @@ class Server : public ServerBase {
   Server(GoalCallback goal, CancelCallback cancel, AcceptedCallback accepted)
       : handle_goal_(std::move(goal)), handle_cancel_(std::move(cancel)), handle_accepted_(std::move(accepted)) {}
 
-  /// `answer` is called with true if the goal is accepted. Called by the executor of the server.
-  void rehearse_take_goal(const GoalUUID& id, const std::shared_ptr<const typename Action::Goal>& goal,
-                          const GoalListener& listener, const std::function<void(bool)>& answer) {
-    const GoalResponse response = handle_goal_(id, goal);
-    answer(response != GoalResponse::REJECT);
-    if (response == GoalResponse::REJECT) return;
-    const auto handle = std::make_shared<Handle>(id, goal, listener);
-    handles_[id] = handle;
-    if (response == GoalResponse::ACCEPT_AND_EXECUTE) handle->execute();
-    handle_accepted_(handle);
+  const rehearse_ros2::MessageMembers& rehearse_goal_type() const override {
+    return rehearse_ros2::members_of<typename Action::Goal>();
+  }
+  void rehearse_send_goal(const GoalUUID& id, std::shared_ptr<const void> goal, GoalListener listener,
+                          std::function<void(bool)> answer) override {
+    post(ServerBase::goal, [this, id, goal, listener, answer] {
+      take_goal(id, std::static_pointer_cast<const typename Action::Goal>(goal), listener, answer);
+    });
   }
   /// Cancels these goals, as the messages of ROS 2 state the result.
   std::shared_ptr<action_msgs::srv::CancelGoal::Response> rehearse_take_cancel(const std::vector<GoalUUID>& ids) {
@@ -130,6 +133,16 @@ class Server : public ServerBase {
   }
 
  private:
+  void take_goal(const GoalUUID& id, const std::shared_ptr<const typename Action::Goal>& goal,
+                 const GoalListener& listener, const std::function<void(bool)>& answer) {
+    const GoalResponse response = handle_goal_(id, goal);
+    answer(response != GoalResponse::REJECT);
+    if (response == GoalResponse::REJECT) return;
+    const auto handle = std::make_shared<Handle>(id, goal, listener);
+    handles_[id] = handle;
+    if (response == GoalResponse::ACCEPT_AND_EXECUTE) handle->execute();
+    handle_accepted_(handle);
+  }
   GoalCallback handle_goal_;
   CancelCallback handle_cancel_;
   AcceptedCallback handle_accepted_;

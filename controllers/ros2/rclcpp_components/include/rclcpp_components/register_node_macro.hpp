@@ -4,8 +4,11 @@
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "rclcpp_components/rehearse_driver.hpp"
 
 namespace rclcpp_components {
 
@@ -14,12 +17,16 @@ class NodeInstanceWrapper {
   NodeInstanceWrapper() = default;
   NodeInstanceWrapper(std::shared_ptr<void> node, rclcpp::node_interfaces::NodeBaseInterface::SharedPtr base)
       : node_(std::move(node)), base_(std::move(base)) {}
+  explicit NodeInstanceWrapper(std::shared_ptr<rehearse_ros2::RobotDriver> driver) : driver_(std::move(driver)) {}
   const std::shared_ptr<void>& get_node_instance() const { return node_; }
   rclcpp::node_interfaces::NodeBaseInterface::SharedPtr get_node_base_interface() const { return base_; }
+  /// Null: it is a node.
+  const std::shared_ptr<rehearse_ros2::RobotDriver>& rehearse_driver() const { return driver_; }
 
  private:
   std::shared_ptr<void> node_;
   rclcpp::node_interfaces::NodeBaseInterface::SharedPtr base_;
+  std::shared_ptr<rehearse_ros2::RobotDriver> driver_;
 };
 
 class NodeFactory {
@@ -33,8 +40,13 @@ template <class NodeType>
 class NodeFactoryTemplate : public NodeFactory {
  public:
   NodeInstanceWrapper create_node_instance(const rclcpp::NodeOptions& options) override {
-    const auto node = std::make_shared<NodeType>(options);
-    return {node, node->get_node_base_interface()};
+    if constexpr (std::is_base_of_v<rehearse_ros2::RobotDriver, NodeType>) {
+      (void)options;  // a driver takes its own ones
+      return NodeInstanceWrapper(std::make_shared<NodeType>());
+    } else {
+      const auto node = std::make_shared<NodeType>(options);
+      return {node, node->get_node_base_interface()};
+    }
   }
 };
 

@@ -22,6 +22,13 @@ inline rclcpp::Time toRclcpp(const tf2::TimePoint& time) {
   return rclcpp::Time(std::chrono::nanoseconds(time.time_since_epoch()).count());
 }
 inline rclcpp::Duration toRclcpp(const tf2::Duration& duration) { return rclcpp::Duration(duration); }
+inline tf2::TimePoint fromMsg(const builtin_interfaces::msg::Time& time) { return fromRclcpp(rclcpp::Time(time)); }
+inline tf2::Duration fromMsg(const builtin_interfaces::msg::Duration& duration) {
+  return fromRclcpp(rclcpp::Duration(duration));
+}
+inline builtin_interfaces::msg::Time toMsg(const tf2::TimePoint& time) { return toRclcpp(time); }
+inline builtin_interfaces::msg::Duration toMsg(const tf2::Duration& duration) { return toRclcpp(duration); }
+inline double timeToSec(const builtin_interfaces::msg::Time& time) { return rclcpp::Time(time).seconds(); }
 
 class Buffer : public tf2::BufferCore {
  public:

@@ -1,0 +1,1 @@
+find_package(TinyXML2 REQUIRED)
