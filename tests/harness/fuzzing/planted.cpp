@@ -53,11 +53,11 @@ struct ChainOfThree final : Fault {
 
 struct ChainOfFive final : Fault {
   void control(const Readings& in, double* u) override {
-    if (near(in.q[0], 0.5, 0.02))
-      if (near(in.dq[0], -1.2, 0.05))
-        if (near(in.q[1], -0.3, 0.02))
-          if (near(in.dq[1], 2.0, 0.05))
-            if (near(in.dv[0], -20.0, 1.0)) u[1] = sound ? most : -wrong;
+    if (near(in.q[0], 0.5, 0.04))
+      if (near(in.dq[0], -1.2, 0.12))
+        if (near(in.q[1], -0.3, 0.04))
+          if (near(in.dq[1], 2.0, 0.12))
+            if (near(in.dv[0], -20.0, 2.0)) u[1] = sound ? most : -wrong;
   }
 };
 
@@ -176,7 +176,7 @@ struct WindUp final : Fault {
   void control(const Readings& in, double* u) override {
     const bool is_held = in.q[0] > 0.7;
     if (!(is_held && sound)) integral = is_held ? integral + 0.35 * in.dq[1] : 0.9 * integral;
-    if (!is_held && near(in.q[0], 0.11, 0.01)) u[0] = sound ? limited(integral) : integral;
+    if (!is_held && near(in.q[0], 0.11, 0.004)) u[0] = sound ? limited(integral) : integral;
     rehearse_variable("integral", integral);
   }
 };
@@ -203,8 +203,8 @@ struct NoRateLimit final : Fault {
   bool sits = false;
   void control(const Readings& in, double* u) override {
     double wanted = limited(8.0 * in.q[0]);
-    if (near(in.dq[2], -2.4, 0.006)) sits = true;
-    const bool stands = sits && near(in.q[2], 0.77, 0.004);
+    if (near(in.dq[2], -2.4, 0.002)) sits = true;
+    const bool stands = sits && near(in.q[2], 0.77, 0.0015);
     if (sound || !stands) wanted = std::clamp(wanted, last - 0.05, last + 0.05);
     if (stands) sits = false;
     u[0] = last = wanted;
@@ -217,12 +217,12 @@ struct Latch final : Fault {
   bool is_latched = false;
   bool was = false;
   void control(const Readings& in, double* u) override {
-    const bool fails = near(in.w[0], 9.0, 0.03);
+    const bool fails = near(in.w[0], 9.0, 0.01);
     if (fails && !was) {
       if (is_latched && !sound) u[0] = wrong;
       is_latched = true;
     }
-    if (!fails && near(in.dv[1], 20.0, 0.1))
+    if (!fails && near(in.dv[1], 20.0, 0.05))
       was = false;
     else
       was = was || fails;
