@@ -18,6 +18,7 @@
 #include "core/guard/float_mode.h"
 #include "core/guard/process_guard.h"
 #include "core/host/controller_host.h"
+#include "core/kinds/channel_name.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
 #include "core/run/hosted_commands.h"
@@ -97,14 +98,7 @@ std::string output_name(const Model& model, const IoField& field) {
 }
 
 std::string unit_of(const Joint& joint, Quantity quantity) {
-  const bool slides = joint.type == JointType::prismatic;
-  switch (quantity) {
-    case Quantity::q: return slides ? "m" : "rad";
-    case Quantity::dq: return slides ? "m/s" : "rad/s";
-    case Quantity::ddq: return slides ? "m/s²" : "rad/s²";
-    case Quantity::u: return slides ? "N" : "N·m";
-    default: return {};
-  }
+  return std::string(unit_of_joint(name_of(quantity), is_linear(joint.type)));
 }
 
 class InputRun final : public ObservationSource, public Sink {
