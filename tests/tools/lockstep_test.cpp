@@ -60,16 +60,22 @@ TEST_P(LockstepOfFault, NamesTheLineOfTheCause) {
   EXPECT_EQ(outcome.err, "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, LockstepOfFault,
-                         ::testing::Values(Fault{2, "1 (0.001 s)", ": gain is 35, not 30"},
-                                           Fault{3, "151 (0.151 s)", ""},
-                                           Fault{4, "1 (0.001 s)", ": share is 0, not 0.002"},
-                                           Fault{5, "3 (0.003 s)", ": rate[0] is "},
-                                           Fault{6, "100 (0.1 s)", ": swing is 0.25"},
-                                           Fault{7, "100 (0.1 s)", ": is_rising is true, not false"},
-                                           Fault{8, "101 (0.101 s)", ": cycles is 0.452, not 0.202"},
-                                           Fault{9, "92 (0.092 s)", ": is_saturated_ is true, not false"},
-                                           Fault{11, "0 (0 s)", ": effort is 10, not 85.96"}),
+/// By day a gain, a member of a container and a branch; every night all.
+std::vector<Fault> faults() {
+  std::vector<Fault> all = {{2, "1 (0.001 s)", ": gain is 35, not 30"},
+                            {5, "3 (0.003 s)", ": rate[0] is "},
+                            {7, "100 (0.1 s)", ": is_rising is true, not false"}};
+  const std::vector<Fault> others = {{3, "151 (0.151 s)", ""},
+                                     {4, "1 (0.001 s)", ": share is 0, not 0.002"},
+                                     {6, "100 (0.1 s)", ": swing is 0.25"},
+                                     {8, "101 (0.101 s)", ": cycles is 0.452, not 0.202"},
+                                     {9, "92 (0.092 s)", ": is_saturated_ is true, not false"},
+                                     {11, "0 (0 s)", ": effort is 10, not 85.96"}};
+  if (AT_NIGHT) all.insert(all.end(), others.begin(), others.end());
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, LockstepOfFault, ::testing::ValuesIn(faults()),
                          [](const auto& info) { return "Number" + std::to_string(std::get<0>(info.param)); });
 
 /// Changes of one line, in the form that a fix or a slip has. By day: the two that were named by other lines before.
