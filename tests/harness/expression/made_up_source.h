@@ -36,6 +36,7 @@ class MadeUpSource : public ExpressionSource {
 
   Result<std::size_t> find_series(std::string_view name) override { return find_name(name, names, "series"); }
   bool is_replayed(std::size_t series) const override { return series == command; }
+  bool has_replay() const override { return true; }
   Result<std::vector<std::size_t>> find_links(std::string_view name) override {
     if (name == "Robot") return std::vector<std::size_t>{0, 1};
     const auto found = find_name(name, links, "link");
@@ -50,7 +51,6 @@ class MadeUpSource : public ExpressionSource {
     if (joint == "KNEE" && limit == "effort") return JointLimit{1000.0, "N"};
     return error("there is no joint '" + std::string(joint) + "' with a limit");
   }
-  std::int64_t first_tick() const override { return 0; }
   std::int64_t last_tick() const override { return last; }
   double time_at(std::int64_t tick) const override { return static_cast<double>(tick) * 1e-3; }
   double value(std::size_t series, std::int64_t tick, CommandSide side) override {

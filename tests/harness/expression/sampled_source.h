@@ -31,10 +31,7 @@ class SampledSource final : public ExpressionSource {
     return error("there is no series '" + std::string(name) + "'");
   }
   std::string unit_of_series(std::size_t) override { return "m"; }
-  bool is_replayed(std::size_t) const override { return false; }
-  bool has_replay() const override { return false; }
   Result<std::vector<std::size_t>> find_links(std::string_view) override { return std::vector<std::size_t>{0}; }
-  std::int64_t first_tick() const override { return 0; }
   std::int64_t last_tick() const override { return static_cast<std::int64_t>(times.size()) - 1; }
   double time_at(std::int64_t tick) const override {
     return static_cast<double>(times[static_cast<std::size_t>(tick)]) * 1e-9;
@@ -56,8 +53,6 @@ class SampledSource final : public ExpressionSource {
   bool touching(const std::vector<std::size_t>&, const std::vector<std::size_t>&, std::int64_t tick) override {
     return foot[static_cast<std::size_t>(tick)];
   }
-  bool differs_at(std::int64_t) override { return false; }
-  bool said(std::string_view, std::int64_t) override { return false; }
 
  private:
   /// The latest tick up to a time [s].

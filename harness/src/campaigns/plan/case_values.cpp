@@ -59,19 +59,14 @@ class Parameters final : public ExpressionSource {
     if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
     return error(fmt::format("no parameter before it is named '{}'", name), name_hint(name, names_, "parameters"));
   }
-  bool is_replayed(std::size_t) const override { return false; }
-  bool has_replay() const override { return false; }
   Result<std::vector<std::size_t>> find_links(std::string_view) override {
     return error("a linked value has no contacts");
   }
-  std::int64_t first_tick() const override { return 0; }
   double time_at(std::int64_t) const override { return 0.0; }
   double value(std::size_t series, std::int64_t, CommandSide) override { return values_[series]; }
   bool touching(const std::vector<std::size_t>&, const std::vector<std::size_t>&, std::int64_t) override {
     return false;
   }
-  bool differs_at(std::int64_t) override { return false; }
-  bool said(std::string_view, std::int64_t) override { return false; }
 
  private:
   std::vector<std::string> names_;

@@ -26,17 +26,13 @@ class SampleSource final : public ExpressionSource {
   double sample = 0.0, baseline = 0.0;
 
   Result<std::size_t> find_series(std::string_view) override { return std::size_t{0}; }
-  bool is_replayed(std::size_t) const override { return false; }
   Result<std::vector<std::size_t>> find_links(std::string_view) override { return std::vector<std::size_t>(); }
-  std::int64_t first_tick() const override { return 0; }
   double time_at(std::int64_t) const override { return 0.0; }
   double value(std::size_t, std::int64_t, CommandSide) override { return sample; }
   double value_at(std::size_t, double, std::int64_t) override { return baseline; }
   bool touching(const std::vector<std::size_t>&, const std::vector<std::size_t>&, std::int64_t) override {
     return false;
   }
-  bool differs_at(std::int64_t) override { return false; }
-  bool said(std::string_view, std::int64_t) override { return false; }
 };
 
 /// Judges one series of a run by one expectation, at each of its samples. The run comes in pieces.

@@ -48,13 +48,10 @@ class RunSource final : public ExpressionSource {
 
   // ExpressionSource. A tick is an index in the order of time; only the last ticks have values.
   Result<std::size_t> find_series(std::string_view name) override;
-  bool is_replayed(std::size_t) const override { return false; }
-  bool has_replay() const override { return false; }
   Result<std::vector<std::size_t>> find_links(std::string_view name) override;
   std::string unit_of_series(std::size_t series) override { return series_[series].unit; }
   Result<std::size_t> find_joint_series(std::string_view joint, std::string_view quantity, bool of_command) override;
   Result<JointLimit> find_limit(std::string_view joint, std::string_view limit) override;
-  std::int64_t first_tick() const override { return 0; }
   std::int64_t number_of(std::int64_t tick) const override { return slot(tick).number; }
   double time_at(std::int64_t tick) const override { return slot(tick).seconds; }
   double value(std::size_t series, std::int64_t tick, CommandSide) override {
@@ -64,7 +61,6 @@ class RunSource final : public ExpressionSource {
   Sampled sampled_at(std::size_t series, double time, std::int64_t tick) const override;
   bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others,
                 std::int64_t tick) override;
-  bool differs_at(std::int64_t) override { return false; }
   bool said(std::string_view pattern, std::int64_t tick) override;
   bool happened(std::string_view pattern, std::int64_t tick) override;
   double value_at(std::size_t series, double time, std::int64_t tick) override;

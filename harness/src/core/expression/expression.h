@@ -46,12 +46,12 @@ class ExpressionSource {
   /// ones.
   virtual Result<std::size_t> find_series(std::string_view name) = 0;
   /// True if a controller commands the series, and that controller was replayed.
-  virtual bool is_replayed(std::size_t series) const = 0;
+  virtual bool is_replayed(std::size_t) const { return false; }
   /// Finds links by BODY/LINK or an unambiguous ending of it; for the name of a body it returns all its links.
   virtual Result<std::vector<std::size_t>> find_links(std::string_view name) = 0;
 
   /// False if no controller is replayed, so that `differs` has no meaning.
-  virtual bool has_replay() const { return true; }
+  virtual bool has_replay() const { return false; }
   /// The unit of a series as recordings have it: "N·m"; empty: unknown.
   virtual std::string unit_of_series(std::size_t) { return {}; }
   /// The series "q", "dq" or "u" of a joint, given by BODY/JOINT or an unambiguous ending of it: of the joint itself,
@@ -60,7 +60,7 @@ class ExpressionSource {
   /// A limit of a joint: "effort", "velocity", "upper" or "lower".
   virtual Result<JointLimit> find_limit(std::string_view joint, std::string_view limit);
 
-  virtual std::int64_t first_tick() const = 0;
+  virtual std::int64_t first_tick() const { return 0; }
   /// The last tick that is known; a window that ends after it can't be judged.
   virtual std::int64_t last_tick() const { return std::numeric_limits<std::int64_t>::max(); }
   /// The number that the recording gives to the tick.
@@ -81,9 +81,9 @@ class ExpressionSource {
   virtual bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others,
                         std::int64_t tick) = 0;
   /// True if outputs of the controllers in that tick differ from the recording.
-  virtual bool differs_at(std::int64_t tick) = 0;
+  virtual bool differs_at(std::int64_t) { return false; }
   /// True if any message of the tick matches the pattern (glob.h).
-  virtual bool said(std::string_view pattern, std::int64_t tick) = 0;
+  virtual bool said(std::string_view, std::int64_t) { return false; }
   /// True if "SEVERITY SOURCE: TEXT" of any message of the tick matches the pattern.
   virtual bool happened(std::string_view, std::int64_t) { return false; }
   /// The latest value up to a time [s], if the tick isn't before it; else NaN.

@@ -23,20 +23,15 @@ class DeclaredSource final : public ExpressionSource {
   const std::map<std::string, Expectation::Limit>& limits() const { return limits_; }
 
   Result<std::size_t> find_series(std::string_view name) override;
-  bool is_replayed(std::size_t) const override { return false; }
-  bool has_replay() const override { return false; }
   Result<std::vector<std::size_t>> find_links(std::string_view name) override;
   Result<std::size_t> find_joint_series(std::string_view joint, std::string_view quantity, bool of_command) override;
   Result<JointLimit> find_limit(std::string_view joint, std::string_view limit) override;
 
-  std::int64_t first_tick() const override { return 0; }
   double time_at(std::int64_t) const override { return 0.0; }
   double value(std::size_t, std::int64_t, CommandSide) override { return 0.0; }
   bool touching(const std::vector<std::size_t>&, const std::vector<std::size_t>&, std::int64_t) override {
     return false;
   }
-  bool differs_at(std::int64_t) override { return false; }
-  bool said(std::string_view, std::int64_t) override { return false; }
 
  private:
   const Scenario& scenario_;

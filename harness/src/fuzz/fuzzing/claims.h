@@ -38,13 +38,10 @@ class RunTable final : public ExpressionSource {
   void set_limits(const std::map<std::string, Expectation::Limit>& limits) { limits_ = limits; }
 
   Result<std::size_t> find_series(std::string_view name) override;
-  bool is_replayed(std::size_t) const override { return false; }
-  bool has_replay() const override { return false; }
   Result<std::vector<std::size_t>> find_links(std::string_view name) override;
   std::string unit_of_series(std::size_t series) override { return series_[series].unit; }
   Result<std::size_t> find_joint_series(std::string_view joint, std::string_view quantity, bool of_command) override;
   Result<JointLimit> find_limit(std::string_view joint, std::string_view limit) override;
-  std::int64_t first_tick() const override { return 0; }
   std::int64_t last_tick() const override { return ticks() - 1; }
   double time_at(std::int64_t tick) const override;
   Sampled sampled(std::size_t series, std::int64_t tick, CommandSide) const override;
@@ -54,8 +51,6 @@ class RunTable final : public ExpressionSource {
   bool touching(const std::vector<std::size_t>&, const std::vector<std::size_t>&, std::int64_t) override {
     return false;
   }
-  bool differs_at(std::int64_t) override { return false; }
-  bool said(std::string_view, std::int64_t) override { return false; }
 
  private:
   double number(std::size_t series, std::int64_t tick) const {

@@ -155,6 +155,7 @@ class SteppedTrace : public ExpressionSource {
   // ExpressionSource
   Result<std::size_t> find_series(std::string_view name) override;
   bool is_replayed(std::size_t series) const override;
+  bool has_replay() const override { return true; }
   Result<std::vector<std::size_t>> find_links(std::string_view name) override;
   double value(std::size_t series, std::int64_t tick, CommandSide side) override;
   bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others,
