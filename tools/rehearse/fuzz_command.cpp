@@ -114,6 +114,20 @@ void tell(const FuzzSettings& settings, const Json& result) {
   }
 }
 
+/// The mistakes that kept the test from a search.
+Diagnostics mistakes_of(const Json& errors) {
+  Diagnostics mistakes;
+  for (const Json& one : errors) {
+    Diagnostic& mistake = mistakes.emplace_back();
+    mistake.file = one.value("file", "");
+    mistake.line = one.value("line", 0);
+    mistake.column = one.value("column", 0);
+    mistake.message = one.value("message", "");
+    mistake.hint = one.value("hint", "");
+  }
+  return mistakes;
+}
+
 Exit exit_of(const Json& result) {
   bool fails = !result["findings"].empty();
   for (const Json& kept : result["kept_findings"]) fails = fails || !kept["sentence"].get<std::string>().empty();
@@ -141,11 +155,12 @@ Exit run_fuzz(const FuzzSettings& settings) {
   text << in.rdbuf();
   Json result = Json::parse(text.str(), nullptr, false);
   if (!result.is_object()) {
-    // the test failed before its search, or it is no fuzz test
-    fmt::print(stderr, "{}", plain_text(output->text));
+    std::istringstream lines(output->text);
+    for (std::string line; std::getline(lines, line);) fmt::print(stderr, "{}\n", plain_text(line));
     return refuse(error(fmt::format("{} made no search", settings.test),
-                        "expected a test by FUZZ_CONTROLLER; what it printed is above"));
+                        "expected a test by FUZZ_CONTROLLER; its output is above"));
   }
+  if (result.contains("errors")) return refuse(mistakes_of(result["errors"]));
   if (settings.json)
     print(result);
   else

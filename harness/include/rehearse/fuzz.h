@@ -188,22 +188,25 @@ class Fuzz {
 
 namespace internal {
 
-/// Runs the kept findings and the search of a test.
+/// Runs the kept findings and the search of a test. A mistake of the plan is a verdict, too.
 TestVerdict run_fuzz_test(const FuzzPlan& plan);
 
 class FuzzTest : public ::testing::Test {
  public:
-  explicit FuzzTest(FuzzPlan plan) : plan_(std::move(plan)) {}
-  void TestBody() override { EXPECT_TRUE(assertion_of(run_fuzz_test(plan_))); }
+  explicit FuzzTest(const Fuzz& fuzz) : fuzz_(fuzz) {}
+  void TestBody() override {
+    const TestVerdict verdict = run_fuzz_test(fuzz_.plan());
+    if (!verdict.passed) ADD_FAILURE_AT(fuzz_.file(), fuzz_.line()) << verdict.message;
+  }
 
  private:
-  FuzzPlan plan_;
+  Fuzz fuzz_;
 };
 
 struct FuzzRegistration {
   FuzzRegistration(const Fuzz& fuzz) {  // NOLINT: a chain of calls ends here
     ::testing::RegisterTest(fuzz.suite().c_str(), fuzz.test().c_str(), nullptr, nullptr, fuzz.file(), fuzz.line(),
-                            [plan = fuzz.plan()]() -> ::testing::Test* { return new FuzzTest(plan); });
+                            [fuzz]() -> ::testing::Test* { return new FuzzTest(fuzz); });
   }
 };
 

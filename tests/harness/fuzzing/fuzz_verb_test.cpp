@@ -10,13 +10,14 @@
 namespace rehearse {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 class FuzzVerb : public testing::Test {
  protected:
   FuzzVerb() {
     std::string tests;
-    for (const char* name : {"Planted.ComparesFloats", "Planted.IsNoFuzzTest"})
+    for (const char* name : {"Planted.ComparesFloats", "Planted.NamesNoJoint", "Planted.IsNoFuzzTest"})
       tests += std::string("add_test(") + name + " " PLANTED_FUZZ " --gtest_filter=" + name + ")\n";
     folder_.write("build/CTestTestfile.cmake", tests);
   }
@@ -52,6 +53,21 @@ TEST_F(FuzzVerb, RefusesWhatIsNoFuzzTest) {
   const auto time = rehearse("fuzz Planted.ComparesFloats --for 3weeks");
   EXPECT_EQ(WEXITSTATUS(time.status), 2);
   EXPECT_THAT(time.text, HasSubstr("'3weeks' is no time: expected as 30s, 10min or 2h"));
+}
+
+TEST_F(FuzzVerb, SaysTheMistakeOfATestAlone) {
+  const auto told = rehearse("fuzz Planted.NamesNoJoint");
+  EXPECT_EQ(WEXITSTATUS(told.status), 2);
+  EXPECT_EQ(told.text, "error: the fuzz test Planted.NamesNoJoint: the model has no joint \"D\" (it has A, B, C)\n");
+}
+
+TEST_F(FuzzVerb, ATestFailsAtItsLine) {
+  for (const char* name : {"ComparesFloats", "NamesNoJoint"}) {
+    const auto failed =
+        test::run("cd " + folder_.path().string() + " && " PLANTED_FUZZ " --gtest_filter=Planted." + name);
+    EXPECT_NE(failed.status, 0);
+    EXPECT_THAT(failed.text, ContainsRegex("planted_fuzz.cpp:[0-9]+: Failure")) << name;
+  }
 }
 
 }  // namespace

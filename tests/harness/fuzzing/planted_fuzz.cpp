@@ -1,4 +1,4 @@
-// A fuzz test with a finding, and a test that is none.
+// A fuzz test with a finding, one with a mistake, and a test that is none.
 #include <rehearse/fuzz.h>
 
 FUZZ_CONTROLLER(Planted, ComparesFloats, PLANTED_CONTROLLERS "/Planted.so", PLANTED_MODEL)
@@ -6,5 +6,9 @@ FUZZ_CONTROLLER(Planted, ComparesFloats, PLANTED_CONTROLLERS "/Planted.so", PLAN
     .options("Equality")
     .ticks(16)
     .runs(320);
+
+FUZZ_CONTROLLER(Planted, NamesNoJoint, PLANTED_CONTROLLERS "/Planted.so", PLANTED_MODEL)
+    .joint("D", q.in(-1, 1))
+    .options("Equality");
 
 TEST(Planted, IsNoFuzzTest) {}

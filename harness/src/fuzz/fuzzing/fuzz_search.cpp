@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <utility>
 
 #include "base/hashing.h"
 #include "core/golden/golden_files.h"
 #include "core/host/controller_host.h"
 #include "corpus.h"
+#include "fuzz_mistake.h"
 #include "fuzz_setup.h"
 #include "input_workers.h"
 #include "inputs_file.h"
@@ -34,16 +34,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::int64_t runs_of_round = 16;  // chosen from what the rounds before it reached
 constexpr std::int64_t runs_between_saves = 4096;
 constexpr int most_hung = 8;  // each takes the whole limit of a call
-
-template <class T>
-T checked(Result<T> result) {
-  if (!result) throw std::runtime_error(to_string(result.errors()));
-  return *std::move(result);
-}
-
-void checked(const Result<void>& result) {
-  if (!result) throw std::runtime_error(to_string(result.errors()));
-}
 
 struct Found {
   Inputs inputs;
@@ -112,7 +102,7 @@ void Search::resume() {
   if (options_.state.empty() || !fs::exists(options_.state, ignored)) return;
   const Json state = Json::parse(checked(read_text(options_.state)), nullptr, false);
   if (!state.is_object() || state.value("version", 0) != 1)
-    throw std::runtime_error(options_.state + ": error: this is no state of a search (remove it)");
+    throw FuzzMistake({error_in(options_.state, "this is no state of a search", "remove it")});
   if (state.value("search", "") != identity()) return;  // of another controller or test: it begins anew
   std::vector<Inputs> kept;
   std::vector<std::int64_t> runs;
@@ -199,7 +189,7 @@ void Search::make_round() {
   std::vector<Found> kept;
   for (std::size_t i = 0; i < round.size(); ++i) {
     const std::int64_t run = run_ + static_cast<std::int64_t>(i);
-    if (outcomes[i].end == InputEnd::unable) throw std::runtime_error(outcomes[i].sentence);
+    if (outcomes[i].end == InputEnd::unable) throw FuzzMistake({error(outcomes[i].sentence)});
     if (!outcomes[i].passed())
       take_finding(round[i], outcomes[i], run);
     else if (corpus_.take(round[i], run, outcomes[i]))

@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "core/golden/golden_files.h"
+#include "fuzz_mistake.h"
 
 namespace rehearse::internal {
 namespace {
@@ -62,6 +63,15 @@ Json json_of(const FuzzResult& result, const std::vector<KeptInputs>& kept, cons
   return object;
 }
 
+/// As the verb reads them.
+Json json_of(const Diagnostics& mistakes) {
+  Json list = Json::array();
+  for (const Diagnostic& one : mistakes)
+    list.push_back(
+        {{"file", one.file}, {"line", one.line}, {"column", one.column}, {"message", one.message}, {"hint", one.hint}});
+  return list;
+}
+
 std::string text_of(const FuzzFinding& finding) {
   std::string text =
       fmt::format("\n{}: {}\n  found in run {}, shrunk from {} and {} to {} and {}", finding.kind, finding.sentence,
@@ -73,10 +83,7 @@ std::string text_of(const FuzzFinding& finding) {
   return text;
 }
 
-}  // namespace
-
-TestVerdict run_fuzz_test(const FuzzPlan& plan) {
-  const Json wanted = asked();
+TestVerdict judge(const FuzzPlan& plan, const Json& wanted) {
   FuzzOptions options;
   options.runs = plan.runs;
   options.seed = plan.seed;
@@ -111,6 +118,20 @@ TestVerdict run_fuzz_test(const FuzzPlan& plan) {
     verdict.message = fmt::format("inputs break the controller {}{}\n{} of the search, seed {}", plan.library,
                                   verdict.message, count_text(result.runs, "run"), options.seed);
   return verdict;
+}
+
+}  // namespace
+
+TestVerdict run_fuzz_test(const FuzzPlan& plan) {
+  const Json wanted = asked();
+  try {
+    return judge(plan, wanted);
+  } catch (const FuzzMistake& mistake) {
+    if (wanted.is_object() && wanted.contains("result"))
+      static_cast<void>(replace_text(wanted["result"].get<std::string>(),
+                                     Json{{"errors", json_of(mistake.diagnostics)}}.dump()));  // the text below remains
+    return {false, mistake.what()};
+  }
 }
 
 }  // namespace rehearse::internal
