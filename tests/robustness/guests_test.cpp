@@ -106,9 +106,10 @@ INSTANTIATE_TEST_SUITE_P(
     Of, Guests,
     ::testing::Values(
         Deed{"nothing", End::harmless}, Deed{"overrun_8", End::either}, Deed{"overrun_2000", End::failed, damaged},
-        Deed{"overrun_large", End::failed, damaged}, Deed{"double_free", End::failed, damaged},
-        Deed{"free_of_stack", End::failed, damaged}, Deed{"use_after_free", End::either},
-        Deed{"wild_write", End::failed, "crashed: segmentation fault"},
+        Deed{"overrun_large", End::failed, damaged},
+        Deed{"crash_without_heap", End::failed, "crashed: segmentation fault"},
+        Deed{"double_free", End::failed, damaged}, Deed{"free_of_stack", End::failed, damaged},
+        Deed{"use_after_free", End::either}, Deed{"wild_write", End::failed, "crashed: segmentation fault"},
         Deed{"null", End::failed, "crashed: segmentation fault"},
         Deed{"null_to_strlen", End::failed, "crashed: segmentation fault"}, Deed{"million_allocations", End::harmless},
         Deed{"all_memory", End::failed, "took more than 500 MB of memory"}, Deed{"unmap_stack_end", End::failed},

@@ -93,6 +93,18 @@ void crash() {
   *nowhere = 1;
 }
 
+/// Writes over the whole heap, then crashes in its own code: the C library can't go on, and neither can the host.
+void crash_without_heap() {
+  unsigned long begin = 0, end = 0;
+  {
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);)
+      if (line.find("[heap]") != std::string::npos) std::sscanf(line.c_str(), "%lx-%lx", &begin, &end);
+  }
+  std::memset(reinterpret_cast<void*>(begin), 'A', end - begin);
+  crash();
+}
+
 void own_handlers() {
   static char stack[1 << 16];
   stack_t alternate{};
@@ -174,6 +186,7 @@ const std::map<std::string, void (*)(const std::string& file)> deeds{
     {"overrun_8", [](const auto&) { overrun(24, 40); }},
     {"overrun_2000", [](const auto&) { overrun(4000, 6000); }},
     {"overrun_large", [](const auto&) { overrun(100, 1 << 22); }},
+    {"crash_without_heap", [](const auto&) { crash_without_heap(); }},
     {"double_free",
      [](const auto&) {
        void* volatile block = std::malloc(64);

@@ -234,6 +234,7 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
     if (in_guarded_call() && dies_in_library && signal_number != hang_signal) leave_process(128 + signal_number);
   }
   if (in_guarded_call()) {
+    if (signal_number != hang_signal) note_crash(describe_signal(reason), place);
     crash_place = place;
     guarding = 0;
     siglongjmp(return_point, reason);

@@ -56,6 +56,7 @@ pid_t present_run = 0;   // a child of this process; 0: none
 std::function<void(const std::string&)> tell_failure;
 
 void note_place(const void* place) {
+  notes->library[0] = '\0';
   dl_find_object object;
   if (!place || _dl_find_object(const_cast<void*>(place), &object) != 0) return;
   put(notes->library, object.dlfo_link_map->l_name);
@@ -374,6 +375,7 @@ void note_task(const char* name, int left) {
 
 void note_call_begin(const char* controller, const char* function, std::int64_t tick, double time, double limit) {
   if (!notes) return;
+  notes->deed[0] = '\0';
   const std::uint32_t next = (notes->latest + 1) % notes->last_calls.size();
   SealedCall& noted = notes->last_calls[next];
   NotedCall& call = noted.call;
@@ -395,10 +397,19 @@ void note_memory_limit(double bytes) {
   if (notes) notes->memory_limit = bytes;
 }
 
+/// The deed is written first: a fault in note_place() leads here again.
+void note_crash(const char* deed, const void* place) {
+  if (!notes || notes->deed[0] != '\0') return;
+  put(notes->deed, deed);
+  note_place(place);
+}
+
 void fail_process(const char* deed, const void* place) {
   if (!notes) return;
-  note_place(place);
-  if (deed) put(notes->deed, deed);
+  if (deed)
+    note_crash(deed, place);
+  else
+    note_place(place);
   notes->hung = deed ? 0 : 1;
   kill(getpid(), SIGKILL);
 }
