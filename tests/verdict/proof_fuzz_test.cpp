@@ -128,7 +128,7 @@ class Workplace {
 
   void restore() {
     files_ = {{"scenario.yaml", scenario_yaml}, {"rig.urdf", rig_urdf}, {"hull.stl", hull_stl}};
-    if (with_camera_) files_["scenario.yaml"] += "cameras: [Rig/Camera]\n";
+    if (!with_camera_) files_["scenario.yaml"] += "cameras: []\n";  // else all are on
     files_["share/gain.txt"] = "2.0\n";
     files_["other_share/gain.txt"] = "2.5\n";
     linked_ = STRENGTH_1;
