@@ -220,6 +220,8 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
                      : in_library && signal_number == SIGABRT ? damaged_heap
                                                               : signal_number;
   end_if_ending(signal_number == hang_signal ? nullptr : describe_signal(reason));
+  // First of all, because everything below reads memory that the controller may have damaged.
+  if (in_guarded_call() && signal_number != hang_signal) note_crash(describe_signal(reason));
   const bool hangs_here = hangs_at_turn(signal_number);
   const void* place =
       is_fault(signal_number) || hangs_here ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
@@ -234,7 +236,8 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
     if (in_guarded_call() && dies_in_library && signal_number != hang_signal) leave_process(128 + signal_number);
   }
   if (in_guarded_call()) {
-    if (signal_number != hang_signal) note_crash(describe_signal(reason), place);
+    if (signal_number != hang_signal) note_crash_place(place);
+    this_turn = nullptr;  // its record may be damaged, and end_call() ends the turn
     crash_place = place;
     guarding = 0;
     siglongjmp(return_point, reason);

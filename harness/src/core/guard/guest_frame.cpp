@@ -6,7 +6,9 @@
 #include <unwind.h>
 
 #include <cstdint>
+#include <utility>
 
+#include "core/turns/scheduler.h"
 #include "process_end.h"
 
 namespace rehearse {
@@ -55,11 +57,13 @@ CodePlaces guest_frames() {
 const void* guest_frame_of(const void* interrupted) {
   if (is_code_of_guest(interrupted)) return interrupted;
   Walk walk;
+  TurnThread* const turn = std::exchange(this_turn, nullptr);  // the walk takes locks, and they aren't the guest's
   if (sigsetjmp(end_of_walk, 0) == 0) {
     walks = 1;
     _Unwind_Backtrace(look_at_frame, &walk);
   }
   walks = 0;
+  this_turn = turn;
   return walk.found ? walk.found : interrupted;
 }
 

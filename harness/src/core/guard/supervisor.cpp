@@ -300,6 +300,8 @@ std::string Parent::sentence() const {
   if (damaged_)
     return "a controller wrote over memory that it shares with its supervisor" +
            (controller.empty() ? "" : fmt::format("; the last known call: controller '{}' {}", controller, where));
+  if (notes->deed[0] != '\0')
+    return fmt::format("{}controller '{}' {} {}", line_, controller, text_of(notes->deed), where);
   if (hung_ || notes->hung == 1)
     return fmt::format("controller '{}' {} {}", controller, lateness(call_.limit, interrupted_), where);
   if (memory_limit_ > 0.0) {
@@ -309,8 +311,6 @@ std::string Parent::sentence() const {
                        in_call ? "" : ", after controller '" + controller + "' was called", where);
   }
   const std::string how = end_text(ended_);
-  if (notes->deed[0] != '\0')
-    return fmt::format("{}controller '{}' {} {}", line_, controller, text_of(notes->deed), where);
   if (notes->calls % 2 == 1) return fmt::format("controller '{}' ended the process {} {}", controller, how, where);
   return fmt::format(
       "the process was ended {} after controller '{}' was called {}: by a thread, timer or limit that a controller "
@@ -397,29 +397,28 @@ void note_memory_limit(double bytes) {
   if (notes) notes->memory_limit = bytes;
 }
 
-/// The deed is written first: a fault in note_place() leads here again.
-void note_crash(const char* deed, const void* place) {
-  if (!notes || notes->deed[0] != '\0') return;
-  put(notes->deed, deed);
-  note_place(place);
+void note_crash(const char* deed) {
+  if (notes && notes->deed[0] == '\0') put(notes->deed, deed);
+}
+
+void note_crash_place(const void* place) {
+  if (notes) note_place(place);
 }
 
 void fail_process(const char* deed, const void* place) {
   if (!notes) return;
-  if (deed)
-    note_crash(deed, place);
-  else
-    note_place(place);
+  if (deed) note_crash(deed);
   notes->hung = deed ? 0 : 1;
+  note_place(place);
   kill(getpid(), SIGKILL);
 }
 
 void fail_process_by_thread(const char* deed, const void* place) {
   if (!notes) return;
-  note_place(place);
   put(notes->deed, "started a thread that ");
   const std::size_t length = std::strlen(notes->deed);
   std::strncpy(notes->deed + length, deed, sizeof notes->deed - length - 1);
+  note_place(place);
   kill(getpid(), SIGKILL);
 }
 

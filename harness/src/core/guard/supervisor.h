@@ -25,10 +25,11 @@ void note_call_end();
 /// The process ends if it takes more memory [bytes]; 0: four fifths of the memory that was available at its start.
 void note_memory_limit(double bytes);
 
-/// Notes a crash for the case that the process can't go on after it, as with a damaged heap. The next call that begins
-/// deletes the note. `deed`: after the controller's name, "crashed: ..."; `place`: the address of the controller's
-/// code, or null if it isn't known. Called in signal handlers.
-void note_crash(const char* deed, const void* place);
+/// Note a crash, and its place, for the case that the process can't report it, as with a damaged heap. The next call
+/// that begins deletes the note. `deed`: after the controller's name, "crashed: ..."; `place`: the address of the
+/// controller's code, or null if it isn't known. They are called in signal handlers.
+void note_crash(const char* deed);
+void note_crash_place(const void* place);
 
 /// Ends the process because a controller's call failed in a way that leaves the process unusable: `deed` after the
 /// controller's name, "crashed: ..."; null: it exceeded its limit. Returns if there is no parent to report it. They are
