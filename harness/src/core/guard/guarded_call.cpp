@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <gnu/lib-names.h>
 #include <link.h>
-#include <linux/futex.h>
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
@@ -18,14 +17,11 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
-#include <optional>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "c_library.h"
@@ -39,6 +35,7 @@
 #include "supervise.h"
 #include "supervisor.h"
 #include "turn_calls.h"
+#include "watchdog.h"
 
 namespace rehearse {
 namespace {
@@ -46,12 +43,11 @@ namespace {
 constexpr int caught_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 /// These signals end a process, too. A controller may handle them itself.
 constexpr int deadly_signals[] = {SIGALRM, SIGVTALRM, SIGPROF, SIGXFSZ, SIGSYS};
-constexpr int hang_signal = SIGXCPU;  // sent by the watchdog, and by the kernel if a CPU limit is set
-constexpr int exit_instead = -1;      // value at the return point for an exit, instead of a signal
-constexpr int stack_overflow = -2;    // the same for SIGSEGV or SIGBUS below the end of a stack
-constexpr int damaged_heap = -3;      // the same for an abort by the C library itself
-constexpr int abort_by_deed = -4;     // the same for an abort whose cause is known
-constexpr int deadlock = -5;          // the same if all threads that take turns wait for each other
+constexpr int exit_instead = -1;    // value at the return point for an exit, instead of a signal
+constexpr int stack_overflow = -2;  // the same for SIGSEGV or SIGBUS below the end of a stack
+constexpr int damaged_heap = -3;    // the same for an abort by the C library itself
+constexpr int abort_by_deed = -4;   // the same for an abort whose cause is known
+constexpr int deadlock = -5;        // the same if all threads that take turns wait for each other
 constexpr std::size_t signal_stack_size = 64 * 1024;
 constexpr std::size_t stack_gap = 16 * 1024;
 
@@ -253,89 +249,6 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
   if (!is_fault(signal_number)) raise(signal_number);
 }
 
-/// A separate thread that ends guarded calls which exceed their limit, unless a debugger has stopped the process. It
-/// uses wall time on purpose: this decides only whether a run continues, never its contents. The thread calls no
-/// function that takes a lock, and runs until the process ends. It looks at a tenth of the limit, at most every tenth
-/// of a second, and sleeps while no calls are made.
-class Watchdog {
- public:
-  static Watchdog& instance() {
-    if (!watchdog_) watchdog_ = new Watchdog;
-    return *watchdog_;
-  }
-  /// A forked process lacks its parent's watchdog thread.
-  static void forget() { watchdog_ = nullptr; }
-
-  void begin(double limit) {
-    limit_.store(limit, std::memory_order_relaxed);
-    calls_.fetch_add(1);  // odd: a call is running
-    if (sleeps_.load() != 0) wake();
-  }
-  void end() { calls_.fetch_add(1, std::memory_order_release); }
-
- private:
-  using clock = std::chrono::steady_clock;
-
-  /// Signals are for the guarded thread, so the new thread begins with all of them blocked.
-  Watchdog() {
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    std::thread([this] { watch(); }).detach();
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  }
-
-  void wake() {
-    if (sleeps_.exchange(0) != 0) ::syscall(SYS_futex, &sleeps_, FUTEX_WAKE, 1, nullptr, nullptr, 0);
-  }
-
-  /// Returns when a call has begun after the number `calls`.
-  void sleep_after(std::uint64_t calls) {
-    sleeps_.store(1);
-    while (calls_.load() == calls && sleeps_.load() != 0)
-      ::syscall(SYS_futex, &sleeps_, FUTEX_WAIT, 1, nullptr, nullptr, 0);
-    sleeps_.store(0);
-  }
-
-  std::chrono::duration<double> look_period() const {
-    constexpr double shortest = 0.01, longest = 0.1;  // [s]
-    return std::chrono::duration<double>(std::clamp(limit_.load(std::memory_order_relaxed) / 10, shortest, longest));
-  }
-
-  [[noreturn]] void watch() {
-    std::uint64_t seen = 0;
-    clock::time_point since = clock::now();
-    std::optional<clock::time_point> signalled;
-    for (;;) {
-      std::this_thread::sleep_for(look_period());
-      if (!signalled && interruption() != 0) signalled = clock::now();
-      const std::uint64_t calls = calls_.load(std::memory_order_acquire);
-      if (calls != seen) {
-        seen = calls;
-        since = clock::now();
-        continue;
-      }
-      if (calls % 2 == 0) {
-        sleep_after(calls);
-        continue;
-      }
-      const auto seconds_from = [](clock::time_point past) {
-        return std::chrono::duration<double>(clock::now() - past).count();
-      };
-      if (seconds_from(since) > limit_.load(std::memory_order_relaxed) ||
-          (signalled && seconds_from(std::max(since, *signalled)) > limit_after_signal)) {
-        if (!is_traced()) pthread_kill(guarded_thread, hang_signal);
-        since = clock::now();
-      }
-    }
-  }
-
-  static inline Watchdog* watchdog_ = nullptr;
-  std::atomic<std::uint64_t> calls_{0};
-  std::atomic<double> limit_{0.0};
-  std::atomic<std::uint32_t> sleeps_{0};  // a futex: 1: no calls are made, and begin() has to wake the thread
-};
-
 /// The signal stack of the thread that makes the calls. It exists as long as the process, because exit() destroys a
 /// thread's own objects first.
 void provide_signal_stack() {
@@ -414,7 +327,7 @@ void end_process_at_library_crashes() { dies_in_library = 1; }
 void guard_rest_of_process(double limit) {
   guarded_thread = pthread_self();
   provide_signal_stack();
-  Watchdog::instance().begin(limit);
+  Watchdog::instance().begin(guarded_thread, limit);
 }
 
 /// Leaves a gap in the stack above it, so that an array overrun reaches the gap instead of the host's frames.
@@ -445,7 +358,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   if (!(mode_before == standard)) set_float_mode(standard);
   CallOutcome outcome;
   crash_place = nullptr;
-  Watchdog::instance().begin(limit);
+  Watchdog::instance().begin(guarded_thread, limit);
   const int signal_number = sigsetjmp(return_point, 0);
   if (signal_number == 0) {
     guarding = 1;

@@ -63,11 +63,6 @@ void look() {
   if (rehearse::in_guarded_call()) ProcessGuard::instance().before_change();
 }
 
-bool keeps(int descriptor) {
-  const HostCode own;
-  return (rehearse::in_guarded_call() || rehearse::own_threads) && ProcessGuard::instance().keeps(descriptor);
-}
-
 /// `process`: the process whose limit will be changed; 0: this one.
 bool keeps_limits(pid_t process = 0) {
   const HostCode own;
@@ -448,45 +443,6 @@ REHEARSE_FOPEN(fopen)
 REHEARSE_FOPEN(fopen64)
 
 // NOLINTEND(bugprone-macro-parentheses)
-
-int close(int descriptor) {
-  if (keeps(descriptor)) return errno = EBADF, -1;
-  rehearse::note_turn_close(descriptor);
-  return REHEARSE_NEXT(close)(descriptor);
-}
-
-int dup2(int from, int to) noexcept {
-  if (from != to && keeps(to)) return errno = EBUSY, -1;
-  return REHEARSE_NEXT(dup2)(from, to);
-}
-
-int dup3(int from, int to, int flags) noexcept {
-  if (from != to && keeps(to)) return errno = EBUSY, -1;
-  return REHEARSE_NEXT(dup3)(from, to, flags);
-}
-
-int fclose(FILE* stream) {
-  if (rehearse::in_guarded_call() && stream && keeps(fileno(stream))) {
-    fflush(stream);
-    return errno = EBADF, EOF;
-  }
-  return REHEARSE_NEXT(fclose)(stream);
-}
-
-int close_range(unsigned int first, unsigned int last, int flags) noexcept {
-  if (!rehearse::in_guarded_call() || flags != 0) return REHEARSE_NEXT(close_range)(first, last, flags);
-  unsigned int from = first;
-  for (const unsigned int kept : ProcessGuard::instance().kept_in(first, last)) {
-    if (kept > from && REHEARSE_NEXT(close_range)(from, kept - 1, 0) != 0) return -1;
-    from = kept + 1;
-  }
-  return from <= last ? REHEARSE_NEXT(close_range)(from, last, 0) : 0;
-}
-
-void closefrom(int first) noexcept {
-  if (!rehearse::in_guarded_call()) return REHEARSE_NEXT(closefrom)(first);
-  close_range(static_cast<unsigned int>(std::max(first, 0)), ~0U, 0);
-}
 
 /// For the interposer: true if a thread that begins with the function would take turns.
 __attribute__((visibility("default"))) bool rehearse_will_take_turns(const void* function) {

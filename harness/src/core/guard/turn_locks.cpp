@@ -1,5 +1,5 @@
 // Functions by which a thread waits for others, or wakes them, of threads that take turns: locks, conditions,
-// semaphores, barriers, the ends of threads, and the same of C11.
+// semaphores, barriers, the ends of threads, and their forms of C11.
 //
 // The objects stay those of the C library: a lock is taken by its function that doesn't wait. Only the waiting is the
 // scheduler's. So an object may have been used before the first thread was started.

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/clock.h"
-#include "base/hashing.h"
 #include "controller_watch.h"
 #include "core/guard/cost_counter.h"
 #include "core/guard/exception_text.h"
@@ -24,21 +23,6 @@ namespace rehearse {
 namespace {
 
 constexpr std::size_t lines_of_a_failure = 3;  // lines that its message repeats
-
-std::uint64_t hash_values(const std::vector<double>& values, std::uint64_t seed) {
-  return hash_bytes(values.data(), values.size() * sizeof(double), seed);
-}
-
-std::uint64_t hash_contacts(const std::vector<ContactReading>& contacts, std::uint64_t seed) {
-  static_assert(sizeof(ContactReading) == 13 * sizeof(double), "nothing but numbers");
-  const std::uint64_t count = contacts.size();
-  return hash_bytes(contacts.data(), contacts.size() * sizeof(ContactReading), hash_bytes(&count, sizeof count, seed));
-}
-
-std::uint64_t hash_joystick(const JoystickReading& reading, std::uint64_t seed) {
-  const std::uint64_t axes = hash_bytes(reading.axes.data(), sizeof reading.axes, seed);
-  return hash_bytes(reading.buttons.data(), sizeof reading.buttons, axes);
-}
 
 }  // namespace
 
@@ -477,42 +461,6 @@ void ControllerHost::take_late_failure(const HostedController& hosted) {
   failure_ = error(fmt::format("controller '{}' {} before tick {} ({} s)", label, late.what, tick_ + 1,
                                time_of(tick_ + 1, scenario_->time_step)));
   event(Severity::error, label, failure_->message);
-}
-
-std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
-  std::uint64_t hash = seen.joystick ? hash_joystick(*seen.joystick, 0) : 0;
-  for (const HostedController& hosted : controllers_) {
-    if (!hosted.tick.has_input) continue;
-    hash = hash_values(hosted.io->input_values(), hash);
-    for (const std::vector<ContactReading>& contacts : hosted.io->input_contacts())
-      hash = hash_contacts(contacts, hash);
-    for (const int device : hosted.io->input_devices()) {
-      const DeviceReading& reading = seen.bodies[hosted.body].devices[device];
-      if (!reading.fresh) continue;
-      hash = hash_values(reading.values, hash);
-      if (reading.image) hash = hash_bytes(reading.image->pixels.data(), reading.image->pixels.size(), hash);
-      if (reading.depth)
-        hash = hash_bytes(reading.depth->meters.data(), reading.depth->meters.size() * sizeof(float), hash);
-      if (reading.ranges) hash = hash_bytes(reading.ranges->data(), reading.ranges->size() * sizeof(float), hash);
-    }
-  }
-  return hash;
-}
-
-std::uint64_t ControllerHost::output_hash() const {
-  std::uint64_t hash = 0;
-  for (const HostedController& hosted : controllers_) {
-    const unsigned char result = hosted.tick.result ? 1 : 0;
-    hash = hash_bytes(&result, 1, hash);
-    if (!hosted.tick.has_output) continue;
-    hash = hash_values(hosted.io->output_values(), hash);
-    if (hosted.acts_at_another_time()) hash = hash_bytes(&hosted.tick.delayed, sizeof hosted.tick.delayed, hash);
-    for (const DeviceOutput& output : hosted.tick.device_outputs) {
-      hash = hash_bytes(&output.device, sizeof output.device, hash);
-      hash = hash_values(output.values, hash);
-    }
-  }
-  return hash;
 }
 
 }  // namespace rehearse

@@ -14,8 +14,6 @@ thread_local constinit TurnThread* this_turn = nullptr;
 
 namespace {
 
-constexpr std::uint32_t may_run = 1, must_state_place = 2;
-
 [[noreturn]] void suspend() {
   std::atomic<std::uint32_t> never{0};
   for (;;) wait_while(never, 0);
@@ -42,13 +40,6 @@ int TurnScheduler::count_of(const GuestThreads& guest) const {
   return static_cast<int>(std::ranges::count_if(threads_, [&](const TurnThread* thread) {
     return thread->guest.get() == &guest && thread->state != State::ended;
   }));
-}
-
-std::string TurnScheduler::name_of(const TurnThread& thread) const {
-  if (thread.number == 0) return "the call itself";
-  if (*thread.name) return "'" + std::string(thread.name) + "'";
-  const std::string function = name_of_function ? name_of_function(thread.function) : "";
-  return function.empty() ? "thread " + std::to_string(thread.number) : "'" + function + "'";
 }
 
 void TurnScheduler::begin_call(const ThreadCount& guest) {
@@ -173,7 +164,7 @@ TurnThread* TurnScheduler::find(pthread_t handle) {
 }
 
 void TurnScheduler::give(TurnThread& next) {
-  next.go.store(may_run, std::memory_order_release);
+  next.go.store(TurnThread::may_run, std::memory_order_release);
   wake_one(next.go);
 }
 
@@ -182,8 +173,8 @@ void TurnScheduler::take(TurnThread& me) {
   for (;;) {
     const std::uint32_t go = me.go.exchange(0, std::memory_order_acq_rel);
     if (me.is_lost) suspend();
-    if (go == may_run) break;
-    if (go == must_state_place) {
+    if (go == TurnThread::may_run) break;
+    if (go == TurnThread::must_state_place) {
       me.places = find_places ? find_places() : CodePlaces{};
       me.has_place.store(1, std::memory_order_release);
       wake_one(me.has_place);
@@ -465,61 +456,6 @@ bool TurnScheduler::take_arrivals() {
     make_ready(*thread, false);
   }
   return !all.empty();
-}
-
-std::string TurnScheduler::words_of(const TurnThread& thread) const {
-  if (thread.is_delayed) return "its delay";
-  std::string words = thread.wait.words;
-  const int owner = thread.wait.owner ? *thread.wait.owner : 0;
-  if (owner == 0) return words;
-  if (owner == caller_.tid) return words + " that " + name_of(caller_) + " holds";
-  for (const TurnThread* other : threads_)
-    if (owner == other->tid) return words + " that " + name_of(*other) + " holds";
-  return words + " that a thread holds which doesn't take turns";
-}
-
-/// Where a thread waits for its turn, or this thread is.
-CodePlaces TurnScheduler::places_of(TurnThread& thread) const {
-  if (&thread == this_turn) return find_places ? find_places() : CodePlaces{};
-  thread.places = {};
-  thread.has_place = 0;
-  thread.go.store(must_state_place, std::memory_order_release);
-  wake_one(thread.go);
-  while (thread.has_place.load(std::memory_order_acquire) == 0) wait_while(thread.has_place, 0);
-  return thread.places;
-}
-
-std::vector<TurnScheduler::Waiting> TurnScheduler::stuck() {
-  std::vector<Waiting> all = {{name_of(caller_), words_of(caller_), places_of(caller_)}};
-  for (TurnThread* const thread : threads_)
-    if (thread->state == State::waiting)
-      all.push_back({name_of(*thread), words_of(*thread), places_of(*thread)});
-    else if (thread->state == State::suspended)
-      all.push_back({name_of(*thread), words_of(*thread), {}});
-  return all;
-}
-
-std::vector<TurnScheduler::Waiting> TurnScheduler::at_rest() {
-  std::vector<Waiting> all;
-  for (TurnThread* const thread : threads_) {
-    if (thread->is_lost || thread->state == State::ended) continue;
-    const bool can_answer = thread->state == State::waiting || thread->state == State::ready;
-    all.push_back({name_of(*thread), words_of(*thread), can_answer ? places_of(*thread) : CodePlaces{}});
-  }
-  return all;
-}
-
-std::size_t TurnScheduler::list(std::span<Listed> list) const {
-  std::size_t count = 0;
-  const TurnThread* const running = running_.load();
-  const auto add = [&](const TurnThread& thread) {
-    if (count < list.size())
-      list[count++] = {thread.tid, thread.number, &thread == running, thread.name,
-                       thread.state == State::resting ? "the others" : thread.wait.words};
-  };
-  add(caller_);
-  for (const TurnThread* const thread : threads_) add(*thread);
-  return count;
 }
 
 }  // namespace rehearse

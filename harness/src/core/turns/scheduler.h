@@ -66,7 +66,8 @@ struct TurnThread {
   enum class State : std::uint8_t { running, ready, waiting, resting, outside, suspended, ended };
   static constexpr std::int64_t never = INT64_MAX;
 
-  std::atomic<std::uint32_t> go{0};  // 1: it may run; 2: it has to state its place
+  static constexpr std::uint32_t may_run = 1, must_state_place = 2;
+  std::atomic<std::uint32_t> go{0};  // one of these, or 0: it waits
   std::atomic<std::uint32_t> has_place{0};
   std::atomic<bool> is_lost{false};  // its call failed: it never runs again
   State state = State::ready;
