@@ -64,7 +64,7 @@ void proved_check_over_record(benchmark::State& state) {
 }
 BENCHMARK(proved_check_over_record)->UseManualTime()->Unit(benchmark::kMillisecond);
 
-/// The controller commands otherwise from the middle of the last second on.
+/// The controller commands differently from the middle of the last second on.
 void late_difference_over_record(benchmark::State& state) {
   Scenario scenario = Sr1Run::instance().scenario();
   for (ScenarioBody& body : scenario.bodies)

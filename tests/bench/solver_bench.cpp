@@ -85,7 +85,7 @@ std::unique_ptr<World> chain(int links) {
   return must(World::create(settings, {std::move(body)}));
 }
 
-/// Work: a step of a chain of 200 links, for each link. Base: the same of a chain of 10 links.
+/// Work: a step of a chain of 200 links, for each link. Base: a step of a chain of 10 links.
 void direct_step_per_link(benchmark::State& state) {
   constexpr int many = 200, few = 10;
   const std::unique_ptr<World> longer = chain(many), shorter = chain(few);

@@ -29,7 +29,7 @@ struct Row {
   bool nudged = false;         // the start position differs by a last bit
   bool counts_costs = false;   // of control(): each count is equal, too
   bool has_to_differ = false;  // a control: the recording must differ
-  /// Made by a processor of another architecture, which rounds otherwise: each scenario is compared within its
+  /// Made by a processor of another architecture, which rounds differently: each scenario is compared within its
   /// tolerances, and gets a line. The scenarios of this list have equal bits all the same, and must keep them.
   std::optional<std::vector<std::string>> equal_elsewhere = std::nullopt;
   std::string processor;        // a word in the name of the emulated processor; empty: this machine's

@@ -1,6 +1,7 @@
 // docs_form_test.mjs SOURCE: the form of READMEs, of pages of the site and of other Markdown files: a cell of a table has at
 // most 160 characters, a paragraph or an item of a list at most 90 words, the README of a top folder at most 10,000 bytes,
-// a link is on one line, because links are examined line by line, and a source that is named with its path exists.
+// a link is on one line, because links are examined line by line, a source that is named with its path exists, and words
+// with an unclear reference are absent.
 // It also examines a page with one mistake of each kind, which must be found.
 import assert from 'node:assert/strict';
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
@@ -10,6 +11,8 @@ const [source] = process.argv.slice(2);
 const longestCell = 160; // characters, without the targets of links
 const longestParagraph = 90; // words
 const largestReadme = 10000; // bytes
+
+const unclear = /\botherwise than\b|\bthe same of\b|\bthat which\b|\b(?:move|measure|behave|command|round|act)s? otherwise\b/;
 
 const readable = (text) => text.replace(/\]\([^)\s]+\)/g, ']').replace(/[[\]]/g, '');
 
@@ -30,6 +33,7 @@ function mistakesOf(file, text) {
     paragraph = { line: 0, words: 0 };
   };
   text.split('\n').forEach((line, index) => {
+    if (!inBlock && unclear.test(line)) mistakes.push(`${file}:${index + 1}: '${line.match(unclear)[0]}': say which, or "differently"`);
     for (const path of inBlock ? [] : missingSources(line)) mistakes.push(`${file}:${index + 1}: there is no ${path}`);
     if (/^\s*```/.test(line)) {
       end();
@@ -56,9 +60,9 @@ function mistakesOf(file, text) {
 }
 
 const longText = 'word '.repeat(longestParagraph + 1).trim();
-const sample = ['# A', '', longText, '', `| ${'x'.repeat(longestCell + 1)} |`, '', `- ${longText}`, '', '[a', 'link](b.md)', '', '`engine/src/gone.cpp`'].join('\n') + '\n' + '\n'.repeat(largestReadme);
+const sample = ['# A', '', longText, '', `| ${'x'.repeat(longestCell + 1)} |`, '', `- ${longText}`, '', '[a', 'link](b.md)', '', '`engine/src/gone.cpp`, which rounds otherwise'].join('\n') + '\n' + '\n'.repeat(largestReadme);
 const found = mistakesOf('engine/README.md', sample).map((text) => text.split(': ')[0]);
-assert.deepEqual(found, [3, 5, 7, 10, 12, 1].map((line) => `engine/README.md:${line}`));
+assert.deepEqual(found, [3, 5, 7, 10, 12, 12, 1].map((line) => `engine/README.md:${line}`));
 assert.deepEqual(mistakesOf('README.md', `# A\n\n${longText.slice(5)}\n\n| ${'x'.repeat(longestCell)} |\n`), []);
 
 /** All Markdown files of the sources, without those of builds and packages. */

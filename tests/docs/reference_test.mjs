@@ -50,6 +50,16 @@ for (const [schema, files] of Object.entries(forms)) {
 const variables = 'tools/site/pages/reference/environment.md';
 covers('variable', environmentVariables(source), read(variables), variables);
 
+const dependencies = 'tools/site/pages/contribute/dependencies.md';
+const libraries = [...read('tools/setup').matchAll(/^  ((?:lib\S+|\S+\d)-dev) /gm)].map(([, library]) => library);
+const ofUsers = libraries.slice(0, libraries.indexOf('libgtest-dev') + 1);
+assert(ofUsers.length > 20, 'no libraries were found in tools/setup');
+for (const library of ofUsers)
+  if (!read(dependencies).includes(`\`${library}\``)) {
+    ++failures;
+    console.log(`library '${library}' of tools/setup has no row in ${dependencies}`);
+  }
+
 const statuses = exitStatuses(source).map(({ status }) => status);
 for (const status of statuses)
   assert(new RegExp(`^\\| ${status}[ ,|]`, 'm').test(read('tools/site/pages/reference/exit.md')), `exit status ${status} has no text`);

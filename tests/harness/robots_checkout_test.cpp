@@ -59,7 +59,7 @@ struct Figures {
   double turn_most = 0.0;  // largest angular velocity of any link [rad/s]
   double excess = 0.0;     // largest beyond a joint's limit [rad] or [m]
   double aside = 0.0;      // largest distance of a joint from its initial displacement at the end [rad] or [m]
-  double let_go = 0.0;     // the same of joints whose drives aren't at their effort limits
+  double let_go = 0.0;     // likewise, of joints whose drives aren't at their effort limits
 };
 
 class PublicRobot : public testing::TestWithParam<Robot> {

@@ -39,7 +39,7 @@ void take_mathematics_of(const Flight& flight) {
 
 std::string mathematics_line(const Flight& flight) {
   return flight.other.empty() ? "computed with the functions of the robot's libm"
-                              : "this machine may round otherwise than the robot's: " + flight.other;
+                              : "this machine may round differently than the robot's: " + flight.other;
 }
 
 }  // namespace rehearse::tool

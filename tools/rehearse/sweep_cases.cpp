@@ -54,7 +54,7 @@ Json json_of_values(const Campaign& campaign, const std::vector<std::string>& va
   return object;
 }
 
-/// After a rebuild a case may end otherwise than in the campaign.
+/// After a rebuild a case may end differently than in the campaign.
 void tell_changed(const std::vector<std::string>& controllers) {
   for (const std::string& controller : controllers)
     fmt::print(stderr, "warning: the controller {} has changed since the campaign began\n", controller);

@@ -140,6 +140,12 @@ const architecture = ({ build }) => {
   return '```{raw} html\n' + drawing(reduced(rooms), { title: 'rooms and the rooms they use', groups }) + '\n```';
 };
 
+const houseTable = ({ source }) =>
+  table(
+    ['', 'at aed51e9e', 'now'],
+    houseRows(source).map((row) => row.map((value) => value.toLocaleString('en'))),
+  );
+
 export const makers = {
   verbs: verbTable,
   keys: formTable,
@@ -149,5 +155,6 @@ export const makers = {
   'channel-kinds': kindTable,
   headers: headerTable,
   architecture,
+  house: houseTable,
   ...figures,
 };

@@ -260,7 +260,7 @@ TEST_F(BranchTest, APushMovesTheWorldFromItsTickOnAndTheBranchRepeatsItself) {
 TEST_F(BranchTest, AnotherControllerTakesOverWithTheMemoryOfWhatItWouldHaveDone) {
   record_hinge();
   BranchOptions options;
-  options.libraries["C"] = "HingePdChanged";  // commands otherwise from tick 70 on
+  options.libraries["C"] = "HingePdChanged";  // commands differently from tick 70 on
   const BranchSummary branch = branched(120, options);
   ASSERT_TRUE(branch.before.first);
   EXPECT_EQ(branch.before.first->tick, 70);

@@ -56,7 +56,7 @@ TEST_F(OtherProcessor, ExplainsADifferenceAsWellAsAChangeDoes) {
   EXPECT_FALSE(report.within());
   EXPECT_THAT(report.verdict.codes(), ElementsAre(VerdictCode::processor_other));
   EXPECT_THAT(report.verdict.text(),
-              HasSubstr("the golden is of arm64 and this run of x86-64, which rounds otherwise: that "
+              HasSubstr("the golden is of arm64 and this run of x86-64, which rounds differently: that "
                         "explains the difference as well as a change does; fed with the golden's "
                         "inputs, SHOULDER/u"));
   EXPECT_THAT(report.verdict.text(), HasSubstr("from tick 20 (0.02 s) on"));
@@ -106,7 +106,7 @@ TEST_F(OtherProcessor, ExplainsNoCrash) {
   const CheckReport report = checked("fail throw control 7");
   EXPECT_TRUE(report.failed());
   EXPECT_THAT(report.verdict.codes(), ::testing::Contains(VerdictCode::controller_changed));
-  EXPECT_THAT(report.verdict.text(), Not(HasSubstr("rounds otherwise")));
+  EXPECT_THAT(report.verdict.text(), Not(HasSubstr("rounds differently")));
 }
 
 }  // namespace

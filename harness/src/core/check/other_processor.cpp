@@ -61,7 +61,7 @@ Blame on_this_processor(Blame found, const CheckReport& evidence, const Architec
   if (!can_be_rounding || std::ranges::none_of(found.verdict.codes(), looks_like_rounding)) return found;
   found.verdict = {
       VerdictCode::processor_other,
-      fmt::format("the golden is of {} and this run of {}, which rounds otherwise: that explains the difference as "
+      fmt::format("the golden is of {} and this run of {}, which rounds differently: that explains the difference as "
                   "well as a change does; {}",
                   golden, here, differences_text(evidence))};
   return found;

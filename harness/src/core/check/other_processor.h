@@ -1,4 +1,4 @@
-// Verdicts on a processor of another architecture than the golden's. Compilers and libraries for it round otherwise, so
+// Verdicts on a processor of another architecture than the golden's. Compilers and libraries for it round differently, so
 // values are compared within tolerance, and the processor explains most differences as well as a change does. Internal.
 #pragma once
 

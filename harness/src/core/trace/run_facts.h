@@ -148,7 +148,7 @@ struct RunFacts {
 /// The value of a key; empty: not stated.
 std::string stated(const mcap::StringMap& facts, const std::string& key);
 
-/// The processor architecture of a provenance: "x86-64", "arm64". Code for another one rounds otherwise: compilers and
+/// The processor architecture of a provenance: "x86-64", "arm64". Code for another one rounds differently: compilers and
 /// libraries use its own instructions, pinned or not.
 std::string architecture_of(const mcap::StringMap& provenance);
 
