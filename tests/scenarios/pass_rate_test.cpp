@@ -44,7 +44,7 @@ TEST_F(PassRate, IsThatOfTheCases) {
   EXPECT_LT(result.passed, 60);
   EXPECT_LT(result.low, static_cast<double>(result.passed) / 60.0);
   EXPECT_GT(result.high, static_cast<double>(result.passed) / 60.0);
-  EXPECT_PASS_RATE(result, 0.9);
+  ASSERT_PASS_RATE(result, 0.9);
   EXPECT_TRUE(fs::exists(fs::path(result.folder) / "report.html"));
   EXPECT_EQ(fs::path(result.folder).filename(), "PassRate.IsThatOfTheCases");
 }
@@ -88,7 +88,7 @@ TEST_F(PassRate, OfAScenarioWithoutAClaimIsThatOfEveryCase) {
 
 TEST_F(PassRate, FailsIfAStateWasNeverTried) {
   const std::string claims = "pass_rate: {at_least: 0.1}\nsometimes:\n  low: \"Box/Box/position/z < 0.5\"\n";
-  EXPECT_SWEEP_PASSES(rehearse::sweep(box(0.1, claims), {40, 1}));
+  ASSERT_SWEEP_PASSES(rehearse::sweep(box(0.1, claims), {40, 1}));
   const rehearse::SweepResult grounded =
       rehearse::sweep(box(0.1, claims + "  flies away: \"Box/Box/position/z > 5\"\n"), {40, 1});
   EXPECT_EQ(grounded.never_tried, std::vector<std::string>{"flies away"});
