@@ -356,6 +356,7 @@ TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> chan
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     TraceChannel& table = trace_.channels_[sources_.size()];
     if (std::ranges::find(channels, sources_.size()) != channels.end()) ids.push_back(id);
+    if (id >= by_id_.size()) by_id_.resize(std::size_t{id} + 1, nullptr);
     by_id_[id] = &sources_.emplace_back(channel, trace_.reader_->schema_of(channel), table.columns);
     by_id_[id]->take_samples(trace_.state_samples_.get());
     if (trace_.keeps_undecoded_) by_id_[id]->keep_undecoded(trace_.reader_->schema_of(channel));

@@ -67,7 +67,7 @@ class TraceWindows {
  private:
   Trace trace_;
   std::deque<ChannelSource> sources_;  // parallel to the trace's channels
-  std::vector<ChannelSource*> by_id_ = std::vector<ChannelSource*>(0x10000, nullptr);
+  std::vector<ChannelSource*> by_id_;  // up to the largest id of a channel
   std::unique_ptr<mcap::OrderedMessages> messages_;
   const mcap::Message* message_ = nullptr;  // the next message
 };
