@@ -52,6 +52,7 @@ struct ServedRecording::Impl {
   float speed;
   std::uint64_t now = 0;                          // messages up to here are sent [ns]
   std::uint64_t wall = 0;                         // wall time of the last step [ns]
+  bool fresh = true;                              // the messages of the first moment aren't sent either
   double fraction = 0.0;                          // of a nanosecond that `now` lacks
   std::uint64_t told_at = 0;                      // wall time of the last message with the time [ns]
   std::optional<mcap::OrderedMessages> messages;  // after `now`; none: to be opened
@@ -103,6 +104,7 @@ void ServedRecording::Impl::send_latest(const std::vector<std::uint16_t>& channe
 
 void ServedRecording::Impl::seek(std::uint64_t time) {
   now = std::clamp(time, begin, end);
+  fresh = false;
   fraction = 0.0;
   messages.reset();
   if (status == PlaybackStatus::ended) status = PlaybackStatus::paused;
@@ -114,6 +116,7 @@ void ServedRecording::Impl::answer(const ViewerServer::Asked& asked) {
   if (asked.first_came ||
       (asked.came && status == PlaybackStatus::ended)) {  // a viewer sees the run from its beginning
     now = begin;
+    fresh = true;
     fraction = 0.0;
     messages.reset();
     status = PlaybackStatus::playing;
@@ -133,7 +136,7 @@ void ServedRecording::Impl::answer(const ViewerServer::Asked& asked) {
     tell_state(request.id);
   }
   for (const auto& [client, channels] : asked.subscribed) {
-    if (sought) break;  // they have got them
+    if (sought || (fresh && now == begin)) break;  // they have got them, or will get them
     std::set<std::uint16_t> sources;
     for (const std::uint32_t channel : channels) sources.insert(content.source_of(channel));
     send_latest({sources.begin(), sources.end()}, client);
@@ -144,7 +147,7 @@ void ServedRecording::Impl::answer(const ViewerServer::Asked& asked) {
 void ServedRecording::Impl::play() {
   const std::uint64_t time = wall_time();
   const double passed = static_cast<double>(time - std::exchange(wall, time)) * static_cast<double>(speed) + fraction;
-  if (status != PlaybackStatus::playing || !server->has_clients()) return;
+  if (status != PlaybackStatus::playing || !server->wants_any()) return;
   const auto whole = static_cast<std::uint64_t>(std::min(passed, 1e18));
   fraction = passed - static_cast<double>(whole);
   std::uint64_t target = std::min(end, now + whole);
@@ -153,8 +156,7 @@ void ServedRecording::Impl::play() {
     messages.reset();
     next = nullptr;
     if (const auto wanted = content.wanted(); !wanted.empty()) {
-      // the first message of all belongs to the first moment
-      messages.emplace(*reader, wanted, now == begin ? begin : now + 1);
+      messages.emplace(*reader, wanted, fresh && now == begin ? begin : now + 1);
       next = messages->next();
     }
   }

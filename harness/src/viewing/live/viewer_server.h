@@ -43,7 +43,7 @@ class ViewerServer final : WebServer::Handler {
   void add_channel(viewer_protocol::Channel channel);
   void set_lasting(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::byte> data);
 
-  bool has_clients() const { return !clients_.empty(); }
+  bool wants_any() const { return !wanted_.empty(); }
   bool is_wanted(std::uint32_t channel) const { return wanted_.contains(channel); }
   /// Changes when another channel is wanted, or one is no longer.
   std::uint64_t version_of_wanted() const { return version_; }
