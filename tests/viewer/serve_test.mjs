@@ -250,6 +250,15 @@ test('strangers get nothing', async () => {
   await (await new Viewer(served.address, sdk, { origin: 'https://app.foxglove.dev' }).opened()).close();
 });
 
+test('it listens on the loopback interface alone', () => {
+  const port = Number(/:(\d+)/.exec(served.address)[1]).toString(16).toUpperCase().padStart(4, '0');
+  const listening = ['tcp', 'tcp6']
+    .flatMap((table) => readFileSync(`/proc/net/${table}`, 'utf8').split('\n'))
+    .map((line) => line.trim().split(/\s+/))
+    .filter(([, local, , state]) => state === '0A' && local.endsWith(`:${port}`));
+  assert.deepEqual(listening.map(([, local]) => local), [`0100007F:${port}`]);
+});
+
 test('a port in use names its program, a file without messages is refused, and Ctrl-C ends it', async () => {
   const taken = createServer();
   await new Promise((listening) => taken.listen(0, '127.0.0.1', listening));
