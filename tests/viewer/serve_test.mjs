@@ -2,8 +2,9 @@
 // gets is compared with the file of `rehearse export --viewer`, which @mcap/core reads.
 // REHEARSE_COMMAND and SOURCES (the repository) are in the environment.
 import assert from 'node:assert/strict';
-import { execFileSync, spawn } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import { createHash } from 'node:crypto';
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
@@ -300,4 +301,66 @@ test('a golden is served by its name, and a cut recording up to its cut', async 
   await until(() => other.messages.length > 100);
   other.close();
   await cut.end();
+});
+
+const hash = (file) => createHash('sha256').update(readFileSync(file)).digest('hex');
+/** Records the scenario with --live and so many viewers; returns what `look` finds in them, and the recording's hash. */
+async function record_live(count, look = () => null) {
+  const file = join(scratch, `live_${count}.mcap`);
+  const recorder = spawn(
+    REHEARSE_COMMAND,
+    ['record', 'fixtures/scenarios/sr1_minimum.yaml', '--duration', '3', '-o', file, '--live', '--port', '0'],
+    { cwd: SOURCES, stdio: ['ignore', 'pipe', 'pipe'] },
+  );
+  let told = '';
+  recorder.stderr.on('data', (text) => (told += text));
+  recorder.stdout.resume();
+  const ended = new Promise((end) => recorder.on('close', end));
+  await until(() => told.includes('Ctrl-C'), () => told);
+  const address = /ws:\S+/.exec(told)[0];
+  const viewers = Array.from({ length: count }, () => new Viewer(address));
+  for (const [i, viewer] of viewers.entries()) {
+    await viewer.opened();
+    viewer.subscribe(i === 0 ? (topic) => topic !== '/SR1/LeftCamera/depth' && topic !== '/SR1/RightCamera/depth' : undefined);
+    if (i === 1) viewer.socket.pause();
+  }
+  assert.equal(await ended, 0, told);
+  const found = await look(viewers, file);
+  for (const viewer of viewers) viewer.close();
+  return { found, hash: hash(file) };
+}
+
+test('a run that is watched has the same bits, and its viewer gets all of it', async () => {
+  const alone = await record_live(0);
+  const watched = await record_live(1, async ([viewer], file) => {
+    await until(() => viewer.texts.some(({ op, message }) => op === 'status' && message.includes('the run has ended')));
+    const got = by_topic(viewer.messages);
+    const view = join(scratch, 'live.viewer.mcap');
+    rehearse('export', file, '--viewer', view, '--contacts');
+    const expected = await messages_of(view);
+    for (const topic of Object.keys(got)) {
+      const begin = expected[topic].indexOf(got[topic][0]); // a viewer that comes late gets the rest
+      assert.ok(begin >= 0, `${topic} has a message that the recording lacks: ${got[topic][0].slice(0, 40)}, ${expected[topic][0].slice(0, 40)}`);
+      assert.deepEqual(got[topic], expected[topic].slice(begin), topic);
+    }
+    return got['/SR1/joints'].length;
+  });
+  assert.ok(watched.found > 1500, `${watched.found} of 3001 messages`);
+  const eight = await record_live(8);
+  assert.deepEqual([watched.hash, eight.hash], [alone.hash, alone.hash]);
+});
+
+test('a run with --live on a port in use is not begun', async () => {
+  const taken = createServer();
+  await new Promise((listening) => taken.listen(0, '127.0.0.1', listening));
+  const file = join(scratch, 'not_begun.mcap');
+  const outcome = spawnSync(
+    REHEARSE_COMMAND,
+    ['record', 'fixtures/scenarios/sr1_minimum.yaml', '--duration', '0.1', '-o', file, '--live', '--port', String(taken.address().port)],
+    { cwd: SOURCES, encoding: 'utf8' },
+  );
+  taken.close();
+  assert.equal(outcome.status, 2);
+  assert.match(outcome.stderr, /has the port/);
+  assert.ok(!existsSync(file));
 });

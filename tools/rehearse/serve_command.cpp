@@ -1,6 +1,7 @@
 // rehearse serve: plays a recording to viewers, which connect by Foxglove's WebSocket protocol.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 struct ServeSettings {
   std::string trace;
   ServeOptions options;
+  bool ends_with_parent = false;
 };
 
 /// The file, or the golden of that name in this project.
@@ -34,19 +36,26 @@ fs::path file_of(const std::string& name) {
 }
 
 Exit run_serve(ServeSettings& settings) {
+  const pid_t parent = getppid();
   settings.options.tell = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
-  const auto served = ServedRecording::open(file_of(settings.trace), settings.options);
+  const bool follows = settings.options.follows;  // its file need not be there yet
+  const auto served =
+      ServedRecording::open(follows ? fs::path(settings.trace) : file_of(settings.trace), settings.options);
   if (!served) return refuse(served.errors());
   ServedRecording& recording = **served;
   for (const Diagnostic& remark : recording.remarks()) fmt::print(stderr, "{}\n", to_string(remark));
   end_runs_on_signals();
-  fmt::print("serving {}: {:g} s, {}; it plays when a viewer connects\n", settings.trace, recording.duration(),
-             count_text(recording.topics(), "topic"));
+  if (settings.options.follows)
+    fmt::print("serving {} while it is written\n", settings.trace);
+  else
+    fmt::print("serving {}: {:g} s, {}; it plays when a viewer connects\n", settings.trace, recording.duration(),
+               count_text(recording.topics(), "topic"));
   fmt::print("in a browser: {}\n", recording.link());
   fmt::print("in a viewer:  {}\n", recording.address());
   fmt::print("Ctrl-C ends it\n");
   std::fflush(stdout);
-  while (interruption() == 0) recording.step();
+  const auto has_parent = [&] { return !settings.ends_with_parent || getppid() == parent; };
+  while (interruption() == 0 && has_parent() && !recording.is_over()) recording.step();
   recording.stop();
   return Exit::done;
 }
@@ -64,6 +73,9 @@ std::function<Exit()> declare_serve(CLI::App& options) {
   add_number(options, "--speed", "speed of playback at first: 0.1 is a tenth of the run's (1)", 0.001, 1000.0,
              [=](double speed) { settings->options.speed = static_cast<float>(speed); });
   options.add_flag("--loop", settings->options.loops, "play again from the beginning at the end");
+  options.add_flag("--follow", settings->options.follows,
+                   "serve a recording that is being written, or will be, until it is complete");
+  options.add_flag("--ends-with-parent", settings->ends_with_parent)->group("");  // of record --live
   options
       .add_option("--origin", settings->options.origins,
                   "pages of this address may connect as well, as https://viewer.example.com; repeatable")
@@ -77,7 +89,8 @@ std::function<Exit()> declare_serve(CLI::App& options) {
 extern const Verb serve_verb{"serve",
                              "  rehearse serve walk.mcap\n"
                              "  rehearse serve Hold.ComesBackAfterAPush --loop\n"
-                             "  rehearse serve walk.mcap --port 0 --speed 0.1\n",
+                             "  rehearse serve walk.mcap --port 0 --speed 0.1\n"
+                             "  rehearse serve walk.mcap --follow\n",
                              declare_serve};
 
 }  // namespace rehearse::tool

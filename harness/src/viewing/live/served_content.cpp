@@ -67,7 +67,8 @@ void ServedContent::offer(ViewerServer& server, std::uint64_t start) {
 }
 
 std::uint32_t ServedContent::add_topic(const std::string& topic, std::string_view type, std::string schema) {
-  const std::uint32_t id = first_added + added_++;
+  ++added_;
+  const std::uint32_t id = server_->channel_of(topic).value_or(first_added + server_->channels_from(first_added));
   server_->add_channel({id, topic, "cdr", std::string(type), "ros2msg", std::move(schema)});
   return id;
 }

@@ -19,10 +19,13 @@ class ServedContent final : ViewerForm::Sink {
  public:
   /// The log must outlive this.
   explicit ServedContent(const mcap::Reader& log);
+  ServedContent(const ServedContent&) = delete;
+  ServedContent& operator=(const ServedContent&) = delete;
 
   /// What viewers are told at first; without a range.
   ViewerServer::Content summary() const;
-  /// Offers all channels. Lasting messages get that time [ns]. The server must outlive the calls below.
+  /// Offers all channels that the server doesn't have. Lasting messages get that time [ns]. The server must outlive the
+  /// calls below.
   void offer(ViewerServer& server, std::uint64_t start);
 
   /// The recording's channels of which a viewer wants messages.
@@ -32,6 +35,7 @@ class ServedContent final : ViewerForm::Sink {
   /// Sends a message, and those that are derived from it. `client`: to this one alone.
   void publish(const mcap::Message& message, std::optional<ViewerServer::Client> client = {});
 
+  std::size_t channels() const { return log_.channels().size(); }  // of the log
   std::size_t topics() const { return log_.channels().size() + added_; }
   const Diagnostics& remarks() const { return remarks_; }
 

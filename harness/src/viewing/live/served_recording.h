@@ -18,13 +18,16 @@ struct ServeOptions {
   std::vector<std::string> origins;  // of pages that may connect, besides pages of this machine and Foxglove's
   float speed = 1.0F;                // at first, of playback
   bool loops = false;                // begins again at the end
+  bool follows = false;              // the recording is, or will be, written by a different process
   std::function<void(const std::string&)> tell;  // gets a line for the terminal; never null
 };
 
 class ServedRecording {
  public:
   /// Opens the log and listens. A log of another program is served as it is; a recording of Rehearse in the form that
-  /// viewers need, as export_for_viewer() writes it. Fails if it has no message, or the port is in use.
+  /// viewers need, as export_for_viewer() writes it. Fails if it has no message, or the port is in use. A recording
+  /// that is followed need not be there yet; viewers get all of its messages in order, a second of the run after the
+  /// writer.
   static Result<std::unique_ptr<ServedRecording>> open(const std::filesystem::path& file, const ServeOptions& options);
   ~ServedRecording();
   ServedRecording(const ServedRecording&) = delete;
@@ -38,6 +41,8 @@ class ServedRecording {
 
   /// Serves for a few milliseconds.
   void step();
+  /// A recording that is followed is complete, and viewers have it.
+  bool is_over() const;
   /// Ends all connections.
   void stop();
 

@@ -53,9 +53,19 @@ std::string ViewerServer::link() const {
 }
 
 void ViewerServer::add_channel(viewer_protocol::Channel channel) {
-  const std::string text = viewer_protocol::advertise({&channel, 1});
-  for (const auto& [client, viewer] : std::map(clients_)) web_->send_text(client, text);
+  if (channels_.contains(channel.id)) return;
+  unannounced_.push_back(channel);
   channels_[channel.id] = std::move(channel);
+}
+
+std::optional<std::uint32_t> ViewerServer::channel_of(std::string_view topic) const {
+  for (const auto& [id, channel] : channels_)
+    if (channel.topic == topic) return id;
+  return std::nullopt;
+}
+
+std::uint32_t ViewerServer::channels_from(std::uint32_t first) const {
+  return static_cast<std::uint32_t>(std::distance(channels_.lower_bound(first), channels_.end()));
 }
 
 void ViewerServer::set_lasting(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::byte> data) {
@@ -99,6 +109,8 @@ void ViewerServer::publish_status(Level level, const std::string& message) {
 }
 
 void ViewerServer::run_for(std::chrono::milliseconds time) {
+  if (const auto added = std::exchange(unannounced_, {}); !added.empty())
+    for (const auto& [client, viewer] : std::map(clients_)) web_->send_text(client, viewer_protocol::advertise(added));
   web_->run_for(time);
   tell_losses();
 }

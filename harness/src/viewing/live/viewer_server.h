@@ -39,10 +39,16 @@ class ViewerServer final : WebServer::Handler {
   /// The address of Foxglove in a browser that opens address().
   std::string link() const;
 
-  /// Offers a channel to all viewers, also those to come. `last`: a message that each subscriber gets at once.
+  /// Offers a channel to all viewers, also those to come, if there is none with its id.
   void add_channel(viewer_protocol::Channel channel);
+  /// The channel with that topic, and the number of channels with ids from `first` on.
+  std::optional<std::uint32_t> channel_of(std::string_view topic) const;
+  std::uint32_t channels_from(std::uint32_t first) const;
+  void set_parameters(nlohmann::ordered_json parameters) { content_.parameters = std::move(parameters); }
+  /// A message that each subscriber gets at once.
   void set_lasting(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::byte> data);
 
+  bool has_clients() const { return !clients_.empty(); }
   bool wants_any() const { return !wanted_.empty(); }
   bool is_wanted(std::uint32_t channel) const { return wanted_.contains(channel); }
   /// Changes when another channel is wanted, or one is no longer.
@@ -105,6 +111,7 @@ class ViewerServer final : WebServer::Handler {
   Content content_;
   std::string token_;
   std::map<std::uint32_t, viewer_protocol::Channel> channels_;
+  std::vector<viewer_protocol::Channel> unannounced_;  // of them, to those that are connected
   std::map<std::uint32_t, Lasting> lasting_;
   std::map<Client, Viewer> clients_;
   std::map<std::uint32_t, int> wanted_;  // number of subscriptions

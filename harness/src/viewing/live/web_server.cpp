@@ -397,6 +397,9 @@ void WebServer::stop() {
   Error ignored;
   impl_->acceptor.close(ignored);
   impl_->pause.cancel(ignored);
+  const auto waits = [](const auto& one) { return one.second->waiting() > 0; };
+  for (int rounds = 0; rounds < 20 && std::ranges::any_of(impl_->connections, waits); ++rounds)
+    run_for(std::chrono::milliseconds(50));  // a viewer that takes nothing delays the end by a second at most
   const auto all = impl_->connections;
   for (const auto& [number, connection] : all) connection->say_goodbye();
   if (!all.empty()) run_for(std::chrono::milliseconds(200));
