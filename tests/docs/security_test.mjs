@@ -116,14 +116,16 @@ const reading = [
   ['merge', 'run.mcap', 'copy.mcap', '-o', 'both.mcap'],
   ['recover', 'run.mcap', '-o', 'whole.mcap'],
   ['report', 'run.mcap', '-o', 'report.html'],
+  ['serve', 'run.mcap', '--port', '0'],
   ['tap', tap, '--recover', '-o', 'flight.mcap'],
   ['inspect', 'models/robot.urdf'],
   ['render', 'scenario.yaml', '-o', 'start.png'],
   ['record', 'bare.yaml', '-o', 'bare.mcap'], // its model names the library as a plugin
 ];
 for (const words of reading) {
-  const outcome = rehearse(...words);
-  assert(outcome.status <= 1, `rehearse ${words.join(' ')} ends with ${outcome.status}: ${outcome.stderr}`);
+  const isServing = words[0] === 'serve'; // it would serve on
+  const outcome = isServing ? run('timeout', '--preserve-status', '--signal', 'INT', '2', join(build, 'bin/rehearse'), ...words) : rehearse(...words);
+  assert(isServing ? outcome.status === 130 && outcome.stdout.includes('ws://127.0.0.1:') : outcome.status <= 1, `rehearse ${words.join(' ')} ends with ${outcome.status}: ${outcome.stderr}`);
   assert(!existsSync(loaded), `rehearse ${words[0]} has loaded the library that the file names`);
 }
 const given = rehearse('replay', 'run.mcap', '--controller', `Spring=${sample}`, '-o', 'again.mcap');

@@ -1,9 +1,9 @@
-// Foxglove Studio shows the robot of an exported recording with the exported layout. Its code is that of the viewer,
+// Foxglove Studio shows the robot of an exported recording, and of a served one, with the exported layout. Its code is that of the viewer,
 // from npm. Its version is older than the panel for pictures and than layers with the description of a topic, so only
 // the 3D panel is opened, and only the robot is looked for.
 // REHEARSE_COMMAND and SOURCES (the repository) are in the environment, KEPT is the folder for the screenshots.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -16,7 +16,7 @@ const here = new URL('.', import.meta.url).pathname;
 const scratch = mkdtempSync(join(tmpdir(), 'rehearse_viewer_'));
 const patience = 80_000; // [ms]
 
-let browser, server;
+let browser, server, served;
 
 function file_of(path) {
   if (path === '/') return join(here, 'page.html');
@@ -31,6 +31,9 @@ before(async () => {
   rehearse('record', 'fixtures/scenarios/sr1_minimum.yaml', '--duration', '0.2', '-o', run);
   rehearse('export', run, '--viewer', join(scratch, 'run.mcap'), '--layout', join(scratch, 'exported.json'));
   mkdirSync(KEPT, { recursive: true });
+  served = spawn(REHEARSE_COMMAND, ['serve', run, '--port', '0', '--loop'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  served.out = '';
+  for await (const text of served.stdout) if ((served.out += text).includes('Ctrl-C')) break;
   server = await serve(file_of);
   browser = await launch();
 });
@@ -38,6 +41,7 @@ before(async () => {
 after(async () => {
   await browser?.close();
   server?.close();
+  served?.kill('SIGINT');
   rmSync(scratch, { recursive: true });
 });
 
@@ -70,11 +74,11 @@ async function count_pixels(page, png) {
  * Opens the recording in a new page until `done` accepts the counts, and returns them with the viewer's warnings.
  * `later`: the counts after a step in time.
  */
-async function look_once(name, done) {
+async function look_once(name, done, source) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   const warnings = [];
   page.on('console', (message) => ['warning', 'error'].includes(message.type()) && warnings.push(message.text()));
-  await page.goto(`${server.address}/?ds=remote-file&ds.url=${encodeURIComponent(`${server.address}/run.mcap`)}`);
+  await page.goto(`${server.address}/?ds=${source.kind}&ds.url=${encodeURIComponent(source.address)}`);
   const counts_now = async (file) => {
     await page.waitForTimeout(1000);
     return count_pixels(page, await page.screenshot({ path: join(KEPT, file), timeout: patience }));
@@ -90,10 +94,10 @@ async function look_once(name, done) {
 }
 
 /** Opens the recording with this layout, once more if the viewer drew nothing: a busy machine can take its 3D context. */
-async function look(layout, name, done) {
+async function look(layout, name, done, source = { kind: 'remote-file', address: `${server.address}/run.mcap` }) {
   writeFileSync(join(scratch, 'layout.json'), JSON.stringify(layout));
-  const seen = await look_once(name, done);
-  return seen.robot + seen.axes > 0 ? seen : look_once(name, done);
+  const seen = await look_once(name, done, source);
+  return seen.robot + seen.axes > 0 ? seen : look_once(name, done, source);
 }
 
 const written = ({ warnings }) => `\nThe viewer's warnings: ${warnings.join('\n') || 'none'}`;
@@ -120,4 +124,13 @@ test('without its description only the frames are drawn', async () => {
   const seen = await look(layout, 'frames', (counts) => counts.axes > 50);
   assert.ok(seen.axes > 50, `${seen.axes} pixels show axes ${written(seen)}`);
   assert.ok(seen.robot < 0.005 * seen.all, `${seen.robot} of ${seen.all} pixels look like the robot`);
+});
+
+test('the robot of a served recording is drawn while it plays', async () => {
+  const source = { kind: 'foxglove-websocket', address: /ws:\S+/.exec(served.out)[0] };
+  const seen = await look(panel_3d(), 'served', (counts) => counts.robot > 0.02 * counts.all && counts.axes > 50, source);
+  assert.ok(seen.robot > 0.02 * seen.all, `${seen.robot} of ${seen.all} pixels show the robot ${written(seen)}`);
+  const later = new Set(seen.later.at);
+  const both = seen.at.filter((pixel) => later.has(pixel)).length;
+  assert.ok(both > 0.9 * seen.robot, `${both} of ${seen.robot} pixels show the robot a second later`);
 });

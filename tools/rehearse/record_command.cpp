@@ -28,6 +28,7 @@
 #include "core/host/virtualised.h"
 #include "core/scenario/scenario_variations.h"
 #include "debugger.h"
+#include "live_view.h"
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"
@@ -63,7 +64,9 @@ struct RecordSettings {
   std::optional<double> deadline;     // of control() [s]
   RecordOptions record;
   DebuggerOptions debugger;
-  std::int64_t tick = 0;  // where gdb stops
+  std::int64_t tick = 0;      // where gdb stops
+  bool live = false;          // viewers see the run
+  std::uint16_t port = 8765;  // of their server; 0: any free one
   BranchSettings branch;
 };
 
@@ -238,6 +241,7 @@ Exit run_branch(RecordSettings& settings) {
                                      {!settings.values.empty(), "--with"},
                                      {settings.no_frames, "--no-frames"},
                                      {settings.verify, "--verify"},
+                                     {settings.live, "--live"},
                                      {settings.checkpoints.has_value(), "--checkpoints"}})
     if (said)
       return refuse(error(fmt::format("{} with --from-checkpoint: a branch goes on as it was recorded", option)));
@@ -379,6 +383,12 @@ Exit run_record(RecordSettings& settings, const CLI::App& options) {
   const std::string trace =
       settings.trace.empty() ? std::filesystem::path(scenario->file).stem().string() + ".mcap" : settings.trace;
   if (const auto allowed = check_trace(settings, *scenario, trace); !allowed) return refuse(allowed.errors());
+  std::unique_ptr<LiveView> view;
+  if (settings.live) {
+    auto started = LiveView::start(trace, settings.port);
+    if (!started) return refuse(started.errors());
+    view = *std::move(started);
+  }
   supervise_process();
   if (settings.verify) begin_own_processes();  // for the replay
   end_runs_on_signals();
@@ -434,6 +444,11 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_flag("--verify", settings->verify,
                    "then run a sample of it again, from its checkpoints, and all its commands: does it repeat itself?");
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
+  CLI::Option* live = options.add_flag("--live", settings->live,
+                                       "serve the run to Foxglove and Lichtblick while it goes on, as rehearse serve");
+  add_integer(options, "--port", "of --live: a port of this machine; 0: any free one (8765)", 0, 65535,
+              [=](std::int64_t port) { settings->port = static_cast<std::uint16_t>(port); })
+      ->needs(live);
   options.add_flag("--quiet", settings->quiet, "don't print what controllers write to os(); the trace has it");
   add_host_options(options, settings->record, &settings->alone);
   add_timing_options(options, settings->deadline, settings->record);

@@ -3,315 +3,78 @@
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
 #include <rehearse/scenario.h>
-#include <tinyxml2.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
-#include <numbers>
-#include <optional>
-#include <variant>
 
 #include "core/mcap/draft.h"
 #include "core/scenario/trace_scenario.h"
-#include "viewer_messages.h"
+#include "viewer_form.h"
 
 namespace rehearse {
 namespace {
 
-/// The length of an arrow per force [m/N].
-constexpr double arrow_scale = 0.002;
-
-std::string attachment_text(const mcap::Reader& log, const std::string& name) {
-  for (const mcap::Attachment& attachment : log.attachments())
-    if (attachment.name == name) return std::string(attachment.text());
-  return "";
-}
-
-void prefix(tinyxml2::XMLElement* element, const char* attribute, const std::string& body) {
-  if (element == nullptr) return;
-  if (const char* name = element->Attribute(attribute)) element->SetAttribute(attribute, (body + "/" + name).c_str());
-}
-
-/// The URDF with links named as frames; nullopt: the text isn't a URDF.
-std::optional<std::string> with_frames(const std::string& urdf, const std::string& body) {
-  tinyxml2::XMLDocument document;
-  if (document.Parse(urdf.data(), urdf.size()) != tinyxml2::XML_SUCCESS) return std::nullopt;
-  tinyxml2::XMLElement* robot = document.FirstChildElement("robot");
-  if (robot == nullptr) return std::nullopt;
-  for (auto* link = robot->FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
-    prefix(link, "name", body);
-  for (auto* joint = robot->FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
-    prefix(joint->FirstChildElement("parent"), "link", body);
-    prefix(joint->FirstChildElement("child"), "link", body);
-  }
-  for (auto* part = robot->FirstChildElement("gazebo"); part; part = part->NextSiblingElement("gazebo"))
-    prefix(part, "reference", body);
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
-}
-
-/// The URDF element of a geometry; empty if URDF has no such geometry.
-std::string urdf_of(const Geometry& geometry) {
-  if (const auto* box = std::get_if<Box>(&geometry))
-    return fmt::format("<box size=\"{} {} {}\"/>", box->size.x(), box->size.y(), box->size.z());
-  if (const auto* sphere = std::get_if<Sphere>(&geometry))
-    return fmt::format("<sphere radius=\"{}\"/>", sphere->radius);
-  if (const auto* cylinder = std::get_if<Cylinder>(&geometry))
-    return fmt::format("<cylinder radius=\"{}\" length=\"{}\"/>", cylinder->radius, cylinder->length);
-  return "";
-}
-
-/// The URDF of an inline shape of a scenario; nullopt if URDF has no such geometry.
-std::optional<std::string> urdf_of_shape(const ScenarioBody& body) {
-  std::string visuals;
-  for (const Shape& shape : body.model->links[0].visuals) {
-    const std::string geometry = urdf_of(shape.geometry);
-    if (geometry.empty()) return std::nullopt;
-    const Eigen::Vector3d p = shape.pose.translation();
-    const Eigen::Vector3d ypr = shape.pose.linear().eulerAngles(2, 1, 0);
-    const Color color = shape.color.value_or(Color(0.7F, 0.7F, 0.7F, 1.0F));
-    visuals += fmt::format(
-        "<visual><origin xyz=\"{} {} {}\" rpy=\"{} {} {}\"/><geometry>{}</geometry><material name=\"{}\"><color "
-        "rgba=\"{} {} {} {}\"/></material></visual>",
-        p.x(), p.y(), p.z(), ypr[2], ypr[1], ypr[0], geometry, body.name, color[0], color[1], color[2], color[3]);
-  }
-  return fmt::format("<robot name=\"{0}\"><link name=\"{0}/{1}\">{2}</link></robot>\n", body.name,
-                     body.model->links[0].name, visuals);
-}
-
-Eigen::Isometry3d pose_of(const msg::Transform& transform) {
-  const msg::Vector3& place = transform.translation;
-  const msg::Quaternion& rotation = transform.rotation;
-  return Eigen::Translation3d(place.x, place.y, place.z) *
-         Eigen::Quaterniond(rotation.w, rotation.x, rotation.y, rotation.z);
-}
-
-msg::Transform transform_of(const Eigen::Isometry3d& pose) {
-  const Eigen::Quaterniond rotation = Eigen::Quaterniond(pose.linear()).normalized();
-  const Eigen::Vector3d place = pose.translation();
-  return {{place.x(), place.y(), place.z()}, {rotation.x(), rotation.y(), rotation.z(), rotation.w()}};
-}
-
-/// The transform from a link to one of its devices. A camera of the model looks along its -z, with y up; in ROS it
-/// looks along z, with y down.
-msg::TransformStamped frame_of(const ScenarioBody& body, const Device& device, std::uint64_t time) {
-  Eigen::Isometry3d pose = device.pose;
-  if (std::holds_alternative<Camera>(device.kind))
-    pose.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
-  msg::TransformStamped frame;
-  frame.header.stamp = msg::Time::from_ns(time);
-  frame.header.frame_id = body.name + "/" + body.model->links[device.link].name;
-  frame.child_frame_id = body.name + "/" + device.name;
-  frame.transform = transform_of(pose);
-  return frame;
-}
-
-/// Makes the poses of links relative to their parents, if a message has both in the world.
-void make_relative(msg::TFMessage& frames, const std::map<std::string, std::string>& parents) {
-  std::map<std::string, Eigen::Isometry3d> in_world;
-  for (const msg::TransformStamped& frame : frames.transforms)
-    if (frame.header.frame_id == "world") in_world[frame.child_frame_id] = pose_of(frame.transform);
-  for (msg::TransformStamped& frame : frames.transforms) {
-    const auto parent = parents.find(frame.child_frame_id);
-    if (parent == parents.end() || !in_world.contains(parent->second) || !in_world.contains(frame.child_frame_id))
-      continue;
-    frame.header.frame_id = parent->second;
-    frame.transform = transform_of(in_world[parent->second].inverse() * in_world[frame.child_frame_id]);
-  }
-}
-
-class ViewerExport {
+class ViewerExport final : ViewerForm::Sink {
  public:
   ViewerExport(mcap::Reader& log, const Scenario& scenario, mcap::Writer& writer, const ViewerOptions& options)
-      : log_(log), scenario_(scenario), writer_(writer), options_(options) {
-    for (const ScenarioBody& body : scenario.bodies)
-      for (const Link& link : body.model->links)
-        if (link.parent >= 0)
-          parents_[body.name + "/" + link.name] = body.name + "/" + body.model->links[link.parent].name;
-  }
+      : log_(log), writer_(writer), form_(log, scenario, *this, options.contacts), options_(options) {}
 
   Result<ViewerReport> run();
 
  private:
-  /// Adds a topic whose only message comes first.
-  template <class T>
-  Result<void> put_first(const std::string& topic, const T& message);
-  template <class T>
-  std::uint16_t add_topic(const std::string& topic);
-  template <class T>
-  Result<void> put(std::uint16_t channel, std::uint64_t time, const T& message);
-  Result<void> describe_bodies();
-  Result<void> put_frames();
+  std::uint32_t add_topic(const std::string& topic, std::string_view type, std::string schema) override;
+  Result<void> put(std::uint32_t topic, std::uint64_t time_ns, mcap::Bytes data) override;
   Result<void> copy_messages();
-  Result<void> copy(const mcap::Message& message, std::string_view type, std::uint16_t channel);
-  Result<void> take(const mcap::Message& message, std::string_view type);
-  void add_arrow(const msg::Header& header, const msg::Point& from, const msg::Vector3& force, msg::MarkerArray& array);
 
   mcap::Reader& log_;
-  const Scenario& scenario_;
   mcap::Writer& writer_;
+  ViewerForm form_;
   const ViewerOptions& options_;
   ViewerReport report_;
-  std::map<std::string, std::string> parents_;  // frames of links, by frames of their children
-  std::uint64_t start_ = 0;                     // log time of the first message [ns]
-  std::optional<std::uint16_t> rosout_;
-  std::map<std::uint16_t, std::uint16_t> markers_;  // channel of the markers, by the channel of the contacts
-  std::vector<std::byte> bytes_;
 };
 
-template <class T>
-std::uint16_t ViewerExport::add_topic(const std::string& topic) {
+std::uint32_t ViewerExport::add_topic(const std::string& topic, std::string_view type, std::string schema) {
   report_.topics.push_back(topic);
-  const std::uint16_t schema = writer_.add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
-  return writer_.add_channel(schema, topic, "cdr", {{"offered_qos_profiles", ""}});
+  return writer_.add_channel(writer_.add_schema(type, "ros2msg", schema), topic, "cdr", {{"offered_qos_profiles", ""}});
 }
 
-template <class T>
-Result<void> ViewerExport::put(std::uint16_t channel, std::uint64_t time, const T& message) {
-  CdrWriter cdr;
-  msg::encode(message, cdr);
+Result<void> ViewerExport::put(std::uint32_t topic, std::uint64_t time_ns, mcap::Bytes data) {
   ++report_.messages;
-  return writer_.write(channel, time, time, cdr.bytes());
-}
-
-template <class T>
-Result<void> ViewerExport::put_first(const std::string& topic, const T& message) {
-  return put(add_topic<T>(topic), start_, message);
-}
-
-Result<void> ViewerExport::describe_bodies() {
-  bool any = false;
-  for (const ScenarioBody& body : scenario_.bodies) {
-    const auto urdf =
-        body.model_file.empty() ? urdf_of_shape(body) : with_frames(attachment_text(log_, body.model_file), body.name);
-    if (!urdf) {
-      report_.remarks.push_back(
-          warning(fmt::format("{} has no description: it is no URDF, and no box, sphere or cylinder", body.name)));
-      continue;
-    }
-    REHEARSE_TRY(put_first("/" + body.name + "/robot_description", msg::String{*urdf}));
-    if (any || body.controllers.empty()) continue;
-    any = true;
-    REHEARSE_TRY(put_first("/robot_description", msg::String{*urdf}));
-  }
-  return {};
-}
-
-Result<void> ViewerExport::put_frames() {
-  msg::TFMessage frames;
-  for (const ScenarioBody& body : scenario_.bodies)
-    for (const Device& device : body.model->devices) {
-      frames.transforms.push_back(frame_of(body, device, start_));
-      report_.frames.push_back(frames.transforms.back().child_frame_id);
-    }
-  return frames.transforms.empty() ? Result<void>() : put_first("/tf_static", frames);
-}
-
-void ViewerExport::add_arrow(const msg::Header& header, const msg::Point& from, const msg::Vector3& force,
-                             msg::MarkerArray& array) {
-  if (force.x == 0.0 && force.y == 0.0 && force.z == 0.0) return;
-  msg::Marker& arrow = array.markers.emplace_back();
-  arrow.header = header;
-  arrow.ns = "contacts";
-  arrow.id = static_cast<std::int32_t>(array.markers.size());
-  arrow.scale = {0.01, 0.02, 0.0};  // [m]: diameters of shaft and head
-  arrow.color = {1.0F, 0.3F, 0.1F, 1.0F};
-  arrow.points = {from,
-                  {from.x + force.x * arrow_scale, from.y + force.y * arrow_scale, from.z + force.z * arrow_scale}};
-}
-
-/// Writes the messages that are derived from a message of the recording.
-Result<void> ViewerExport::take(const mcap::Message& message, std::string_view type) {
-  CdrReader cdr(message.data);
-  if (type == msg::Event::type_name) {
-    msg::Event event;
-    if (!msg::decode(cdr, event)) return {};
-    msg::Log log;
-    log.stamp = event.stamp;
-    log.level = event.severity == "error"     ? msg::Log::error
-                : event.severity == "warning" ? msg::Log::warn
-                                              : msg::Log::info;
-    log.name = event.source;
-    log.msg = event.text;
-    return put(*rosout_, message.log_time, log);
-  }
-  const auto markers = markers_.find(message.channel->id);
-  if (markers == markers_.end()) return {};
-  msg::MarkerArray array;
-  if (type == msg::Contacts::type_name) {
-    msg::Contacts contacts;
-    if (!msg::decode(cdr, contacts)) return {};
-    for (const msg::Contact& contact : contacts.contacts)
-      add_arrow(contacts.header, contact.position, contact.force, array);
-  } else {
-    msg::ContactForce sum;
-    if (!msg::decode(cdr, sum)) return {};
-    add_arrow(sum.header, {}, sum.force, array);
-  }
-  msg::Marker& clear = *array.markers.emplace(array.markers.begin());
-  clear.header.frame_id = "world";
-  clear.ns = "contacts";
-  clear.action = msg::Marker::delete_all;
-  return put(markers->second, message.log_time, array);
-}
-
-/// Viewers take a link's parent from its description, and discard poses with a different parent.
-Result<void> ViewerExport::copy(const mcap::Message& message, std::string_view type, std::uint16_t channel) {
-  ++report_.messages;
-  mcap::Bytes data = message.data;
-  CdrReader cdr(data);
-  CdrWriter relative;
-  msg::TFMessage frames;
-  if (type == msg::TFMessage::type_name && msg::decode(cdr, frames)) {
-    make_relative(frames, parents_);
-    msg::encode(frames, relative);
-    data = relative.bytes();
-  }
-  return writer_.write(channel, message.log_time, message.publish_time, data, message.sequence);
+  return writer_.write(static_cast<std::uint16_t>(topic), time_ns, time_ns, data);
 }
 
 Result<void> ViewerExport::copy_messages() {
   std::map<std::uint16_t, std::uint16_t> ids;
-  std::map<std::uint16_t, std::string> types;
-  for (const auto& [id, channel] : log_.channels()) {
-    const mcap::Schema* schema = log_.schema_of(channel);
-    types[id] = schema ? schema->name : "";
-    ids[id] = writer_.add_channel(mcap::copy(schema, writer_), channel.topic, channel.message_encoding,
-                                  channel.metadata, channel.topic.ends_with("/image") ? mcap::pictures : mcap::numbers);
-  }
-  const auto has_type = [&](std::string_view type) {
-    return std::ranges::any_of(types, [&](const auto& one) { return one.second == type; });
-  };
-  if (has_type(msg::Event::type_name)) rosout_ = add_topic<msg::Log>("/rosout");
   for (const auto& [id, channel] : log_.channels())
-    if (options_.contacts && (types[id] == msg::Contacts::type_name || types[id] == msg::ContactForce::type_name))
-      markers_[id] = add_topic<msg::MarkerArray>(channel.topic + "/markers");
+    ids[id] = writer_.add_channel(mcap::copy(log_.schema_of(channel), writer_), channel.topic, channel.message_encoding,
+                                  channel.metadata, channel.topic.ends_with("/image") ? mcap::pictures : mcap::numbers);
+  form_.add_topics();
   Result<void> written;
   const Result<void> read = log_.for_each_message_in_order([&](const mcap::Message& message) {
-    const std::string& type = types[message.channel->id];
-    written = copy(message, type, ids[message.channel->id]);
-    if (written) written = take(message, type);
+    ++report_.messages;
+    written = writer_.write(ids[message.channel->id], message.log_time, message.publish_time, form_.data_of(message),
+                            message.sequence);
+    if (written) written = form_.derive(message);
     return written.ok();
   });
   return written ? read : written;
 }
 
 Result<ViewerReport> ViewerExport::run() {
+  std::uint64_t start = 0;  // log time of the first message [ns]
   static_cast<void>(log_.for_each_message_in_order([&](const mcap::Message& message) {
-    start_ = message.log_time;
+    start = message.log_time;
     return false;
   }));
   for (const mcap::Attachment& attachment : log_.attachments()) REHEARSE_TRY(mcap::copy(attachment, writer_));
   for (const mcap::Metadata& metadata : log_.metadata())
     REHEARSE_TRY(writer_.add_metadata(metadata.name, metadata.values));
-  REHEARSE_TRY(describe_bodies());
-  REHEARSE_TRY(put_frames());
+  REHEARSE_TRY(form_.put_first(start));
   REHEARSE_TRY(copy_messages());
   REHEARSE_TRY(writer_.close());
-  if (options_.contacts && markers_.empty())
+  report_.frames = form_.frames();
+  report_.remarks = form_.remarks();
+  if (options_.contacts && !form_.has_markers())
     report_.remarks.push_back(
         warning("there are no markers of contacts: the recording has no contact forces",
                 "they are recorded for controllers that enable LinkContactState, and for contact sensors"));
