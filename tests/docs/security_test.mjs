@@ -113,6 +113,7 @@ const reading = [
   ['doctor', 'run.mcap'],
   ['export', 'run.mcap', '-o', 'tables'],
   ['filter', 'run.mcap', '-o', 'part.mcap'],
+  ['fit', 'run.mcap', '--scenario', 'scenario.yaml', '--vary', 'gravity[2]=-10..-9'],
   ['merge', 'run.mcap', 'copy.mcap', '-o', 'both.mcap'],
   ['recover', 'run.mcap', '-o', 'whole.mcap'],
   ['report', 'run.mcap', '-o', 'report.html'],
