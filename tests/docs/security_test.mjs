@@ -113,7 +113,7 @@ const reading = [
   ['doctor', 'run.mcap'],
   ['export', 'run.mcap', '-o', 'tables'],
   ['filter', 'run.mcap', '-o', 'part.mcap'],
-  ['fit', 'run.mcap', '--scenario', 'scenario.yaml', '--vary', 'gravity[2]=-10..-9'],
+  ['fit', 'run.mcap', '--scenario', 'scenario.yaml', '--vary', 'gravity[2]=-10..-9'], // 4: nothing moves
   ['merge', 'run.mcap', 'copy.mcap', '-o', 'both.mcap'],
   ['recover', 'run.mcap', '-o', 'whole.mcap'],
   ['report', 'run.mcap', '-o', 'report.html'],
@@ -124,7 +124,7 @@ const reading = [
 ];
 for (const words of reading) {
   const outcome = rehearse(...words);
-  assert(outcome.status <= 1, `rehearse ${words.join(' ')} ends with ${outcome.status}: ${outcome.stderr}`);
+  assert(outcome.status <= 1 || (words[0] === 'fit' && outcome.status === 4), `rehearse ${words.join(' ')} ends with ${outcome.status}: ${outcome.stderr}`);
   assert(!existsSync(loaded), `rehearse ${words[0]} has loaded the library that the file names`);
 }
 const given = rehearse('replay', 'run.mcap', '--controller', `Spring=${sample}`, '-o', 'again.mcap');
