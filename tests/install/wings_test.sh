@@ -28,7 +28,7 @@ cd "$source"
 "$rehearse" record fixtures/scenarios/sr1_minimum.yaml --duration 0.5 -o "$folder/core.mcap"
 "$rehearse" replay "$folder/core.mcap"
 "$rehearse" info "$folder/core.mcap" | grep -q JointState || fail "info shows no joints"
-for verb in map export step report sweep audit import fuzz; do
+for verb in map export step report sweep audit import fuzz fit; do
   "$rehearse" --help | grep -q "^  $verb " && fail "the core's --help lists $verb"
   status=0
   output=$("$rehearse" $verb 2>&1) || status=$?
@@ -37,5 +37,5 @@ done
 status=0
 output=$("$rehearse" replay "$folder/core.mcap" --tick 3 2>&1) || status=$?
 [[ $status == 2 && $output == *"leaves out --tick"* ]] || fail "replay --tick: $output"
-find "$build/lib" -name 'librehearse_*.so' | grep -E 'logs|viewing|campaigns|audit|choreonoid|testing|fuzz' && fail "a wing was built"
+find "$build/lib" -name 'librehearse_*.so' | grep -E 'logs|viewing|campaigns|audit|choreonoid|testing|fuzz|fitting' && fail "a wing was built"
 exit 0

@@ -104,6 +104,42 @@ def collect_fuzz(outputs):
     outputs.run("fuzz", "fuzz", "Planted.Absent", "--build", "fuzzed")
 
 
+# A rod on a motor, at rest and moved.
+ROD = """<robot name="Rod"><link name="BASE"/><joint name="HINGE" type="continuous"><parent link="BASE"/><child
+link="ROD"/><axis xyz="0 1 0"/></joint><link name="ROD"><inertial><origin xyz="0 0 -0.3"/><mass value="1"/>
+<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.002"/></inertial></link></robot>"""
+SWING = """rehearse: 1
+duration: 1
+bodies:
+  - name: Rod
+    model: rod.urdf
+    fixed: true
+    joints: {HINGE: 1}
+    controllers: [{name: Shake, library: Shaker}]
+    actuators: [{joint: HINGE, damping: 0.1, velocity_gain: 0.1}]
+noise:
+  - {joint: "Rod/*", displacement: {stddev: 0.0005}, velocity: {stddev: 0.01}}
+"""
+
+
+def collect_fits(outputs):
+    """A fit that finds a number, one that finds none, and wear."""
+    run, folder = outputs.run, outputs.folder
+    controllers = pathlib.Path(outputs.program).parents[1] / "tests/controllers"
+    (folder / "rod.urdf").write_text(ROD)
+    for name, damping in (("earlier", 0.1), ("later", 0.2)):
+        text = SWING.replace("Shaker}", f"{controllers}/Shaker.so}}").replace("damping: 0.1", f"damping: {damping}")
+        (folder / f"{name}.yaml").write_text(text)
+        run("record", "record", f"{name}.yaml", "-o", f"{name}.mcap")
+    damping, gain = "bodies.Rod.actuators[0].damping", "bodies.Rod.actuators[0].velocity_gain"
+    run("fit", "fit", "later.mcap", "--scenario", "earlier.yaml", "--vary", damping, "--judge", "earlier.mcap", "-o",
+        "fitted.yaml")
+    run("fit", "fit", "later.mcap", "--scenario", "earlier.yaml", "--vary", damping, gain)
+    run("fit-wear", "fit", "--wear", "earlier.mcap", "later.mcap", "--scenario", "earlier.yaml", "--vary", damping)
+    run("fit-wear", "fit", "--wear", "earlier.mcap", "later.mcap", "--scenario", "earlier.yaml", "--vary", damping, gain)
+    run("fit", "fit", "later.mcap", "--scenario", "earlier.yaml", "--vary", "duration.nothing")
+
+
 def collect_goldens(outputs, fixtures, golden):
     """A project whose controller has changed: its golden is reviewed, rejected, accepted."""
     run, folder = outputs.run, outputs.folder
@@ -187,6 +223,7 @@ def collect(program, source, folder):
     collect_goldens(outputs, fixtures, golden)
     collect_campaign(outputs)
     collect_fuzz(outputs)
+    collect_fits(outputs)
     run("replay", "replay", standing)
     run("replay-tick", "replay", standing, "--tick", "10")
     run("replay-watch", "replay", standing, "--watch", "SR1/WAIST/*", "--until", "0.01", lines=True)

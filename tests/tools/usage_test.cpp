@@ -62,7 +62,7 @@ TEST_F(Usage, WithoutTheProgramBehindItSaysWhichOneIsMissing) {
   for (const auto& [verb, program] :
        {std::pair("info", "read"), std::pair("check", "simulate"), std::pair("map", "logs"),
         std::pair("sweep", "campaigns"), std::pair("audit", "audit"), std::pair("import", "choreonoid"),
-        std::pair("fuzz", "fuzz")}) {
+        std::pair("fuzz", "fuzz"), std::pair("fit", "fitting")}) {
     const Outcome outcome = run(folder() / "bin/rehearse", {verb, "a"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(outcome.err, "error: can't start " + programs + program +

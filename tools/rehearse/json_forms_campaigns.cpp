@@ -1,4 +1,4 @@
-// The objects of sweep and its parts, and of fuzz.
+// The objects of sweep and its parts, of fuzz and of fit.
 #include <string>
 #include <utility>
 #include <vector>
@@ -120,6 +120,86 @@ const Form& fuzz_form() {
   return form;
 }
 
+const Form& fitted_number_form() {
+  static const Form form{
+      "fitted_number",
+      "a number that was fitted",
+      {member("path", types::string()), member("unit", types::string()), member("identified", types::flag()),
+       member("value", maybe_real()), member("interval", types::nullable(interval_type())),
+       member("was", types::real()), member("bounds", interval_type()), member("reason", types::string()),
+       member("advice", types::string())}};
+  return form;
+}
+
+const Form& fit_correlation_form() {
+  static const Form form{
+      "fit_correlation",
+      "two numbers whose errors go together",
+      {member("a", types::string()), member("b", types::string()), member("correlation", types::real())}};
+  return form;
+}
+
+const Form& fit_series_form() {
+  static const Form form{
+      "fit_series",
+      "the differences of a series from the recording",
+      {member("recording", types::string()), member("series", types::string()), member("noise", types::real()),
+       member("before", types::real()), member("after", types::real())}};
+  return form;
+}
+
+const Form& fit_judgement_form() {
+  static const Form form{
+      "fit_judgement",
+      "the differences from another recording",
+      {member("recording", types::string()), member("before", types::real()), member("after", types::real())}};
+  return form;
+}
+
+std::vector<FormKey> fit_members() {
+  return {member("numbers", types::array(types::of(fitted_number_form))),
+          member("correlations", types::array(types::of(fit_correlation_form))),
+          member("before", types::real()),
+          member("after", types::real()),
+          member("series", types::array(types::of(fit_series_form))),
+          member("stretches", types::count()),
+          member("evaluations", types::count()),
+          member("states", types::word({"complete", "estimated"}))};
+}
+
+const Form& fit_part_form() {
+  static const Form form{"fit_part", "the fit to one of two recordings", fit_members()};
+  return form;
+}
+
+const Form& fit_form() {
+  static const Form form = [] {
+    Form one{"fit", "fit --json", fit_members()};
+    one.keys.push_back(member("judgement", types::nullable(types::of(fit_judgement_form))));
+    one.keys.push_back(member("file", types::nullable(types::string())));
+    return with_version(std::move(one));
+  }();
+  return form;
+}
+
+const Form& worn_number_form() {
+  static const Form form{
+      "worn_number",
+      "a number that was fitted to two recordings",
+      {member("earlier", types::of(fitted_number_form)), member("later", types::of(fitted_number_form)),
+       member("probability", maybe_real()), member("moved", types::flag())}};
+  return form;
+}
+
+const Form& fit_wear_form() {
+  static const Form form =
+      with_version({"fit_wear",
+                    "fit --wear --json",
+                    {member("wear", types::array(types::of(worn_number_form))),
+                     member("earlier", types::of(fit_part_form)), member("later", types::of(fit_part_form))}});
+  return form;
+}
+
 const Form& case_margin_form() {
   static const Form form{"case_margin",
                          "the margin of an expectation",
@@ -195,7 +275,9 @@ std::vector<NamedForm> campaign_objects() {
           object_of("sweep-towards", "sweep --towards --json", {sweep_towards_form}),
           object_of("sweep-case", "sweep case --json", {sweep_case_form}),
           object_of("sweep-shrink", "sweep shrink --json", {sweep_shrink_form}),
-          object_of("fuzz", "fuzz --json", {fuzz_form})};
+          object_of("fuzz", "fuzz --json", {fuzz_form}),
+          object_of("fit", "fit --json", {fit_form}),
+          object_of("fit-wear", "fit --wear --json", {fit_wear_form})};
 }
 
 }  // namespace rehearse::tool

@@ -37,6 +37,8 @@ constexpr VerbSummary verbs[] = {
      Rounding::matters, "campaigns"},
     {"fuzz", campaigns_and_audits, "search for inputs that break a controller: goes on with a fuzz test",
      Program::of_the_wing, Rounding::is_none, "fuzz"},
+    {"fit", campaigns_and_audits, "fit numbers of a scenario to recordings of a robot, each with its interval",
+     Program::of_the_wing, Rounding::matters, "fitting"},
     {"audit", campaigns_and_audits, "is a controller a function of its inputs, and if not, what else does it depend on",
      Program::of_the_wing, Rounding::matters, "audit"},
     {"info", files, "print duration, channels, metadata and events of a trace", Program::read, Rounding::is_none},
@@ -72,7 +74,8 @@ constexpr Wing wings[] = {{"", true},
                           {"campaigns", has_campaigns},
                           {"audit", has_audit},
                           {"choreonoid", has_choreonoid},
-                          {"fuzz", has_fuzz}};
+                          {"fuzz", has_fuzz},
+                          {"fitting", has_fitting}};
 
 }  // namespace
 

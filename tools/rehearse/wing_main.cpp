@@ -1,5 +1,5 @@
-// rehearse-logs, rehearse-campaigns, rehearse-audit, rehearse-choreonoid, rehearse-fuzz: the verbs of a wing. Only `rehearse` starts
-// them.
+// rehearse-logs, rehearse-campaigns, rehearse-audit, rehearse-choreonoid, rehearse-fuzz, rehearse-fitting: the verbs of a
+// wing. Only `rehearse` starts them.
 #include <rehearse/pin.h>
 
 #include <string_view>
