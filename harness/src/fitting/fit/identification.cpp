@@ -43,7 +43,7 @@ constexpr Excitation excitations[] = {
     {"velocity", "commands beyond the limit"},
     {"stall_effort", "large efforts at several speeds"},
     {"no_load_velocity", "large efforts at high speeds"},
-    {"mass", "motion in which the link is accelerated, or lifted: a squat, a swing of the whole arm"},
+    {"mass", "motion that accelerates or lifts the link; none, if it is fixed to the world"},
     {"friction", "contacts that slide"},
 };
 
