@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { environmentVariables, exitStatuses, formKeys, keysTable, messageTypes, verbs, verdictCodes } from '../../tools/site/facts.mjs';
+import { environmentVariables, exitStatuses, formKeys, keysTable, messageTypes, sensorErrors, verbs, verdictCodes } from '../../tools/site/facts.mjs';
 import { publicHeaders } from '../../tools/site/reference.mjs';
 import { sectionOf } from '../../tools/site/markdown.mjs';
 
@@ -63,6 +63,21 @@ for (const library of ofUsers)
 const statuses = exitStatuses(source).map(({ status }) => status);
 for (const status of statuses)
   assert(new RegExp(`^\\| ${status}[ ,|]`, 'm').test(read('tools/site/pages/reference/exit.md')), `exit status ${status} has no text`);
+
+const unitsOfErrors = {
+  quantity: 'that of the quantity',
+  per_root_hertz: 'that of the quantity / sqrt(Hz)',
+  per_root_second: 'that of the quantity / sqrt(s)',
+  share: 'number, %',
+  angle: 'rad, deg',
+  per_turn: '',
+  none: '',
+};
+const quantitiesOfErrors = { '': 'all', with_axes: 'those with three axes', displacement: '`displacement`', color: '`color`' };
+const noise = 'tools/site/pages/reference/noise.md';
+const errors = sensorErrors(source).map(({ key, text, of, unit }) => `| \`${key}\` | ${text} | ${quantitiesOfErrors[of]} | ${unitsOfErrors[unit]} |`);
+assert(errors.length > 10, 'no errors of quantities were found: the sources have changed');
+assert.ok(read(noise).includes(`${errors.join('\n')}\n`), `${noise} lacks the rows of error_*.cpp:\n${errors.join('\n')}`);
 
 const verdicts = 'tools/site/pages/reference/verdicts.md';
 const rows = verdictCodes(source).map(({ code, meaning }) => `| \`${code}\` | ${meaning} |`);

@@ -68,6 +68,17 @@ export function verdictCodes(source) {
   return [...text.matchAll(/\{\w+, "([^"]+)", "([^"]+)"\}/g)].map(([, code, meaning]) => ({ code, meaning }));
 }
 
+/** The errors of quantities in the order in which they act: [{key, text, unit, of}], each from its file. */
+export function sensorErrors(source) {
+  const folder = join(source, 'harness/src/core/scenario');
+  const names = [...readFileSync(join(folder, 'sensor_errors.inl'), 'utf8').matchAll(/^REHEARSE_ERROR\((\w+)\)/gm)];
+  return names.map(([, key]) => {
+    const text = readFileSync(join(folder, `error_${key}.cpp`), 'utf8');
+    const member = (name, pattern) => text.match(new RegExp(`\\.${name} = ${pattern}`))?.[1] ?? '';
+    return { key, text: member('text', '"([^"]*)"'), unit: member('unit', 'ErrorUnit::(\\w+)'), of: member('of', 'ErrorOf::(\\w+)') };
+  });
+}
+
 const kindsFolder = 'harness/src/core/kinds';
 
 /** The names of the kinds of channels, in the order of their list. */

@@ -3,6 +3,7 @@ import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures } from './figures.mjs';
 import { channelKinds, formKeys, keysTable, messageTypes, verbGroups, verbs } from './facts.mjs';
+import { houseRows } from './house.mjs';
 import { drawing, partsOf, reduced, roomsOf } from './graph.mjs';
 
 const cell = (text) => text.replaceAll('|', '\\|').replaceAll('<', '\\<').replaceAll('*', '\\*');

@@ -7,7 +7,7 @@ namespace rehearse {
 
 const ErrorForm counts_error{
     .key = "counts",
-    .text = "counts of an encoder in a turn, or in a metre",
+    .text = "counts of an encoder in a turn, or in a metre; each begins at a multiple",
     .unit = ErrorUnit::per_turn,
     .range = {1.0, 1e9},
     .of = ErrorOf::displacement,

@@ -7,7 +7,7 @@ namespace rehearse {
 
 const ErrorForm density_error{
     .key = "density",
-    .text = "white noise as a density",
+    .text = "white noise as data sheets state it: the deviation of a sample is density * sqrt(rate)",
     .unit = ErrorUnit::per_root_hertz,
     .range = {0.0, 1e6},
     .apply = [](const GivenError& error, const SensorSample& sample, ErrorMemory&, std::span<double> numbers) {

@@ -5,7 +5,7 @@ namespace rehearse {
 
 const ErrorForm index_error_error{
     .key = "index_error",
-    .text = "error of the zero of an encoder that has found its index",
+    .text = "the zero of an encoder, drawn once a run between plus and minus this",
     .unit = ErrorUnit::quantity,
     .range = {0.0, 1e6},
     .of = ErrorOf::displacement,

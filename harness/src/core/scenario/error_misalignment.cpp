@@ -31,7 +31,7 @@ Eigen::Matrix3d turn_about(int axis, double angle) {
 
 const ErrorForm misalignment_error{
     .key = "misalignment",
-    .text = "rotation of the axes: roll, pitch, yaw [rad]",
+    .text = "roll, pitch and yaw of the sensor's axes against those of the model",
     .unit = ErrorUnit::angle,
     .range = {-0.5, 0.5, "[rad]"},
     .of = ErrorOf::with_axes,

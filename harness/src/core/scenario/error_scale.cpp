@@ -5,7 +5,7 @@ namespace rehearse {
 
 const ErrorForm scale_error{
     .key = "scale",
-    .text = "a factor of each axis",
+    .text = "a factor of each axis; 1 changes nothing",
     .unit = ErrorUnit::none,
     .range = {-1e3, 1e3},
     .neutral = 1.0,

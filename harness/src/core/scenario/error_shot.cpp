@@ -9,7 +9,7 @@ namespace rehearse {
 
 const ErrorForm shot_error{
     .key = "shot",
-    .text = "shot noise of a camera",
+    .text = "white noise by the number of photons: the deviation of a color c is shot * sqrt(c)",
     .unit = ErrorUnit::none,
     .range = {0.0, 1e3},
     .of = ErrorOf::color,
