@@ -1,4 +1,4 @@
-// Foxglove Studio shows the robot of an exported recording, and of a served one, with the exported layout. Its code is that of the viewer,
+// Foxglove Studio shows the robot of an exported recording, and of a served one, with the exported layout. Its code is the viewer's,
 // from npm. Its version is older than the panel for pictures and than layers with the description of a topic, so only
 // the 3D panel is opened, and only the robot is looked for.
 // REHEARSE_COMMAND and SOURCES (the repository) are in the environment, KEPT is the folder for the screenshots.
@@ -78,7 +78,7 @@ async function look_once(name, done, source) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   const warnings = [];
   page.on('console', (message) => ['warning', 'error'].includes(message.type()) && warnings.push(message.text()));
-  await page.goto(`${server.address}/?ds=${source.kind}&ds.url=${encodeURIComponent(source.address)}`);
+  await page.goto(`${server.address}/?ds=${source.kind}&ds.url=${encodeURIComponent(source.address)}`, { timeout: patience });
   const counts_now = async (file) => {
     await page.waitForTimeout(1000);
     return count_pixels(page, await page.screenshot({ path: join(KEPT, file), timeout: patience }));

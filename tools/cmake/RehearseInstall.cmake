@@ -66,11 +66,11 @@ else()
 endif()
 
 # What tools/demo builds: the core and the wing viewing.
-add_custom_target(rehearse_core DEPENDS rehearse rehearse-read rehearse-simulate rehearse_assimp)
+add_custom_target(rehearse_core DEPENDS rehearse rehearse-read rehearse-simulate rehearse_assimp rehearse_schemas)
 
 # Everything that is installed, except the samples.
 add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse_assimp rehearse ${REHEARSE_PROGRAMS})
-foreach(target rehearse_interposer rehearse_pages)
+foreach(target rehearse_interposer rehearse_pages rehearse_schemas)
   if(TARGET ${target})
     add_dependencies(rehearse_installed ${target})
   endif()
