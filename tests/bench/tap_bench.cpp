@@ -47,8 +47,8 @@ int main(int argc, char** argv) {
     bare[i] = measure(nullptr);  // a null tap does nothing
     with[i] = measure(tap.get());
   }
-  std::sort(with.begin(), with.end());
-  std::sort(bare.begin(), bare.end());
+  std::ranges::sort(with);
+  std::ranges::sort(bare);
   for (const double share : {0.5, 0.99, 0.9999, 1.0})
     std::printf("%8g %%  bare %6llu ns  with a tap %6llu ns\n", 100 * share,
                 static_cast<unsigned long long>(quantile(bare, share)),

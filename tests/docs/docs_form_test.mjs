@@ -4,8 +4,9 @@
 // with an unclear reference are absent.
 // It also examines a page with one mistake of each kind, which must be found.
 import assert from 'node:assert/strict';
-import { existsSync, readdirSync, readFileSync } from 'node:fs';
-import { join } from 'node:path';
+import { existsSync, readFileSync } from 'node:fs';
+import { join, relative } from 'node:path';
+import { filesBelow } from '../../tools/site/files.mjs';
 
 const [source] = process.argv.slice(2);
 const longestCell = 160; // characters, without the targets of links
@@ -65,15 +66,8 @@ const found = mistakesOf('engine/README.md', sample).map((text) => text.split(':
 assert.deepEqual(found, [3, 5, 7, 10, 12, 12, 1].map((line) => `engine/README.md:${line}`));
 assert.deepEqual(mistakesOf('README.md', `# A\n\n${longText.slice(5)}\n\n| ${'x'.repeat(longestCell)} |\n`), []);
 
-/** All Markdown files of the sources, without those of builds and packages. */
-const filesBelow = (folder) =>
-  readdirSync(join(source, folder), { withFileTypes: true }).flatMap((entry) => {
-    const path = join(folder, entry.name);
-    if (entry.isDirectory()) return /^(build.*|node_modules|\.git)$/.test(entry.name) ? [] : filesBelow(path);
-    return entry.name.endsWith('.md') ? [path] : [];
-  });
-
-const files = filesBelow('');
+/** All Markdown files of the sources. */
+const files = filesBelow(source, /\.md$/).map((file) => relative(source, file));
 assert(files.includes('README.md') && files.includes('tools/site/pages/index.md'), `${source} has no READMEs`);
 const mistakes = files.flatMap((file) => mistakesOf(file, readFileSync(join(source, file), 'utf8')));
 mistakes.forEach((text) => console.log(text));

@@ -4,20 +4,17 @@
 // each kind, which must be found.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { existsSync, readFileSync, readdirSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
+import { filesBelow } from '../../tools/site/files.mjs';
 
 const [source, build] = process.argv.slice(2);
 const read = (file) => readFileSync(join(source, file), 'utf8');
 
 /** All CMake code below tests/, in which a test that is built is named. */
-const cmakeBelow = (folder) =>
-  readdirSync(join(source, folder), { withFileTypes: true }).flatMap((entry) => {
-    const path = join(folder, entry.name);
-    if (entry.isDirectory()) return entry.name === 'node_modules' ? [] : cmakeBelow(path);
-    return /^CMakeLists\.txt$|\.cmake$/.test(entry.name) ? [read(path)] : [];
-  });
-const cmake = cmakeBelow('tests').join('\n');
+const cmake = filesBelow(join(source, 'tests'), /^CMakeLists\.txt$|\.cmake$/)
+  .map((file) => readFileSync(file, 'utf8'))
+  .join('\n');
 const isBuilt = (file) => {
   const name = basename(file);
   return [name, name.replace(/\.cpp$/, '')].some((word) => new RegExp(`(^|[\\s/(])${word.replaceAll('.', '\\.')}($|[\\s)])`, 'm').test(cmake));

@@ -33,7 +33,7 @@ void expect_ticks(const TickClock& clock, std::vector<std::int64_t> ticks) {
   for (std::size_t i = 0; i < ticks.size(); ++i)
     EXPECT_EQ(clock.time(i), static_cast<std::uint64_t>(ticks[i]) * step) << i;
   for (std::int64_t tick = 0; tick < ticks.back() + 3; ++tick) {
-    const auto next = std::lower_bound(ticks.begin(), ticks.end(), tick);
+    const auto next = std::ranges::lower_bound(ticks, tick);
     const bool is_tick = next != ticks.end() && *next == tick;
     const auto after = is_tick ? next + 1 : next;
     const std::uint64_t time = static_cast<std::uint64_t>(tick) * step;

@@ -245,7 +245,7 @@ TEST_F(Export, KeepsTheValuesOfEveryEncoding) {
       std::vector<std::uint8_t> data = c.data;
       const auto step = static_cast<std::uint32_t>(data.size() + 3);  // rows may be padded
       data.resize(step + c.data.size());
-      std::copy(c.data.begin(), c.data.end(), data.begin() + step);
+      std::ranges::copy(c.data, data.begin() + step);
       topic.put(0, msg::Image{{}, 2, c.width, c.encoding, c.is_bigendian, step, data});
     }
     TopicWriter topic(*writer, "/yuv", "cdr", add_schema<msg::Image>(*writer));

@@ -3,14 +3,8 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { basename, dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { filesBelow } from './files.mjs';
 
-const filesBelow = (folder, ending) =>
-  !existsSync(folder)
-    ? []
-    : readdirSync(folder, { withFileTypes: true }).flatMap((entry) => {
-        const path = join(folder, entry.name);
-        return entry.isDirectory() ? filesBelow(path, ending) : ending.test(entry.name) ? [path] : [];
-      });
 const sourceFile = /\.(cpp|h|inl)$/;
 const linesOf = (file) => readFileSync(file, 'utf8').trimEnd().split('\n');
 

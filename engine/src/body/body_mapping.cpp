@@ -192,8 +192,8 @@ std::optional<bool> Mapping::flag(Names names) {
   const YamlNode* value = find(names);
   if (value == nullptr) return std::nullopt;
   std::string word = value->text;
-  std::transform(word.begin(), word.end(), word.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(word, word.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   if (word == "y" || word == "yes" || word == "true" || word == "on") return true;
   if (word == "n" || word == "no" || word == "false" || word == "off") return false;
   document_.error(*value, fmt::format("{} is {}, and true or false is expected", *names.begin(), in_quotes(word)));

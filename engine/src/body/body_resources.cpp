@@ -34,8 +34,8 @@ Eigen::Affine3d read_metadata(const YamlNode& node, Document& document) {
 
 bool has_ending(const std::string& uri, std::initializer_list<std::string_view> endings) {
   std::string ending = std::filesystem::path(uri).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(ending, ending.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return std::ranges::find(endings, ending) != endings.end();
 }
 

@@ -72,8 +72,8 @@ Result<void> check_dae(const std::string& bytes) {
 
 Result<MeshFormat> mesh_format_of(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   if (extension == ".stl") return MeshFormat::stl;
   if (extension == ".dae") return MeshFormat::dae;
   if (extension == ".obj") return MeshFormat::obj;

@@ -27,8 +27,8 @@ std::optional<fs::path> find_below(const fs::path& directory, const std::string&
 }
 
 std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(text, text.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return text;
 }
 
@@ -182,8 +182,8 @@ Result<MeshPlace> MeshPaths::find_in_package(const std::string& name, const std:
 
 std::vector<fs::path> MeshPaths::places_above(const std::string& name) {
   std::vector<fs::path> places;
-  std::copy_if(above_.begin(), above_.end(), std::back_inserter(places),
-               [&name](const fs::path& directory) { return directory.filename() == name; });
+  std::ranges::copy_if(above_, std::back_inserter(places),
+                       [&name](const fs::path& directory) { return directory.filename() == name; });
   for (const fs::path& directory : above_) places.push_back(directory / name);
   return places;
 }

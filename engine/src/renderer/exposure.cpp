@@ -45,7 +45,7 @@ Image LightSum::mean() const {
   picture.width = width_;
   picture.height = height_;
   picture.pixels.resize(sums_.size());
-  std::transform(sums_.begin(), sums_.end(), picture.pixels.begin(), [this](std::uint32_t sum) {
+  std::ranges::transform(sums_, picture.pixels.begin(), [this](std::uint32_t sum) {
     return static_cast<std::uint8_t>(std::lround(std::sqrt(static_cast<double>(sum) / count_)));
   });
   return picture;

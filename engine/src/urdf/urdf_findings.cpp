@@ -65,8 +65,8 @@ bool Findings::take(const Findings& part, const std::string& what) {
 
 Diagnostics Findings::errors() const {
   Diagnostics errors;
-  std::copy_if(found_.begin(), found_.end(), std::back_inserter(errors),
-               [](const Diagnostic& diagnostic) { return diagnostic.severity == Severity::error; });
+  std::ranges::copy_if(found_, std::back_inserter(errors),
+                       [](const Diagnostic& diagnostic) { return diagnostic.severity == Severity::error; });
   sort_by_line(errors);
   constexpr std::size_t most = max_urdf_errors;
   if (errors.size() > most) {
@@ -79,8 +79,8 @@ Diagnostics Findings::errors() const {
 
 Diagnostics Findings::report() const {
   Diagnostics report;
-  std::copy_if(found_.begin(), found_.end(), std::back_inserter(report),
-               [](const Diagnostic& diagnostic) { return diagnostic.severity != Severity::error; });
+  std::ranges::copy_if(found_, std::back_inserter(report),
+                       [](const Diagnostic& diagnostic) { return diagnostic.severity != Severity::error; });
   for (const auto& [sentence, passed] : counted_) {
     const std::string times = passed.count > 1 ? fmt::format(", here and in {} other places", passed.count - 1) : "";
     report.push_back({Severity::note, file_, passed.line, 0, sentence + times, {}});

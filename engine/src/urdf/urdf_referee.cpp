@@ -97,11 +97,10 @@ bool same(const Geometry& ours, const ::urdf::Geometry& theirs) {
 
 template <class Theirs>
 bool same(const std::vector<Shape>& ours, const std::vector<Theirs>& theirs) {
-  return std::equal(ours.begin(), ours.end(), theirs.begin(), theirs.end(),
-                    [](const Shape& shape, const Theirs& other) {
-                      return other != nullptr && other->geometry != nullptr && same(shape.geometry, *other->geometry) &&
-                             same(shape.pose, other->origin);
-                    });
+  return std::ranges::equal(ours, theirs, [](const Shape& shape, const Theirs& other) {
+    return other != nullptr && other->geometry != nullptr && same(shape.geometry, *other->geometry) &&
+           same(shape.pose, other->origin);
+  });
 }
 
 bool same_inertial(const LinkDraft& draft, const ::urdf::Link& theirs) {

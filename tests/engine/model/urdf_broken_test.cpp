@@ -271,8 +271,8 @@ std::string path_of(const Mistake& mistake) {
 
 Diagnostics of_severity(const Diagnostics& all, Severity severity) {
   Diagnostics some;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(some),
-               [&](const Diagnostic& diagnostic) { return diagnostic.severity == severity; });
+  std::ranges::copy_if(all, std::back_inserter(some),
+                       [&](const Diagnostic& diagnostic) { return diagnostic.severity == severity; });
   return some;
 }
 

@@ -36,7 +36,7 @@ constexpr Layout layouts[] = {
 
 py::array colors(const Image& image) {
   py::array_t<std::uint8_t> array({image.height, image.width, 3});
-  std::copy(image.pixels.begin(), image.pixels.end(), array.mutable_data());
+  std::ranges::copy(image.pixels, array.mutable_data());
   return array;
 }
 

@@ -178,7 +178,7 @@ bool same_layout(const Outputs& a, const Outputs& b) {
   const auto same = [](const OutputField& one, const OutputField& other) {
     return one.controller == other.controller && one.channel == other.channel && one.element == other.element;
   };
-  return std::equal(a.fields().begin(), a.fields().end(), b.fields().begin(), b.fields().end(), same);
+  return std::ranges::equal(a.fields(), b.fields(), same);
 }
 
 }  // namespace

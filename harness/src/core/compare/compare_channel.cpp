@@ -14,7 +14,7 @@ namespace rehearse {
 
 std::pair<std::size_t, std::size_t> Window::messages(const TraceChannel& channel) const {
   const auto& times = channel.times;
-  const auto first = std::lower_bound(times.begin(), times.end(), begin);
+  const auto first = std::ranges::lower_bound(times, begin);
   const auto behind = std::upper_bound(first, times.end(), end);
   return {static_cast<std::size_t>(first - times.begin()), static_cast<std::size_t>(behind - times.begin())};
 }

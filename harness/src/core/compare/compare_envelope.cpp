@@ -51,7 +51,7 @@ std::pair<std::size_t, std::size_t> rows_around(const std::vector<std::uint64_t>
   const auto nanoseconds = [](double seconds) { return static_cast<std::uint64_t>(std::llround(seconds * 1e9)); };
   const std::uint64_t now = times[row], before = nanoseconds(lag);
   const auto first = std::lower_bound(times.begin(), times.end(), now - std::min(now, before));
-  const auto last = std::upper_bound(times.begin(), times.end(), now + nanoseconds(lead));
+  const auto last = std::ranges::upper_bound(times, now + nanoseconds(lead));
   return {static_cast<std::size_t>(first - times.begin()), static_cast<std::size_t>(last - times.begin())};
 }
 

@@ -133,8 +133,7 @@ bool FieldJudge::compare(std::size_t golden_message, mcap::Bytes expected, mcap:
   }
   std::map<std::string_view, const MessageField*> of_actual;
   const auto same_path = [](const MessageField& a, const MessageField& b) { return a.path == b.path; };
-  const bool same_paths =
-      std::equal(golden_fields.begin(), golden_fields.end(), actual_fields.begin(), actual_fields.end(), same_path);
+  const bool same_paths = std::ranges::equal(golden_fields, actual_fields, same_path);
   if (!same_paths)
     for (const MessageField& field : actual_fields) of_actual.emplace(field.path, &field);
   for (std::size_t i = 0; i < golden_fields.size(); ++i) {

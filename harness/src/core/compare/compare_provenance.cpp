@@ -145,8 +145,7 @@ std::vector<std::string> changed_sources(const Trace& golden, const Trace& actua
   for (const mcap::Attachment& attachment : golden.attachments()) {
     const mcap::Attachment* other = actual.find_attachment(attachment.name);
     if (attachment.name.ends_with(".report")) continue;
-    if (!other || !std::equal(attachment.data.begin(), attachment.data.end(), other->data.begin(), other->data.end()))
-      changed.push_back(attachment.name);
+    if (!other || !std::ranges::equal(attachment.data, other->data)) changed.push_back(attachment.name);
   }
   return changed;
 }

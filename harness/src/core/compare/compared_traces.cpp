@@ -12,7 +12,7 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
   Divergence divergence;
   divergence.tick = clock.tick_at(time);
   if (!traces.have_ticks()) {  // no recording of Rehearse: the index of the message
-    const auto message = std::lower_bound(channel.times.begin(), channel.times.end(), time);
+    const auto message = std::ranges::lower_bound(channel.times, time);
     divergence.tick = static_cast<std::int64_t>(channel.earlier) + (message - channel.times.begin());
   }
   divergence.time = static_cast<double>(time) / 1e9;

@@ -145,7 +145,7 @@ class SequenceMaker {
     const auto &contacts = golden_.whole().contact_changes(), &others = actual_.whole().contact_changes();
     const bool both_tell = golden_.whole().find_channel(run_topics::contact_changes) &&
                            actual_.whole().find_channel(run_topics::contact_changes);
-    if (both_tell && !std::equal(contacts.begin(), contacts.end(), others.begin(), others.end(), same)) {
+    if (both_tell && !std::ranges::equal(contacts, others, same)) {
       add_contacts(contacts, &EventSequence::golden);
       add_contacts(others, &EventSequence::actual);
     }

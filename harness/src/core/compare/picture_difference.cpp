@@ -66,9 +66,8 @@ Image side_by_side(const RecordedPicture& golden, const RecordedPicture& actual,
     const std::size_t x = pixel % static_cast<std::size_t>(golden.width),
                       y = pixel / static_cast<std::size_t>(golden.width);
     const std::size_t left = static_cast<std::size_t>(panel) * static_cast<std::size_t>(golden.width + gap);
-    std::copy(
-        color.begin(), color.end(),
-        image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * (y * static_cast<std::size_t>(image.width) + left + x)));
+    std::ranges::copy(color, image.pixels.begin() + static_cast<std::ptrdiff_t>(
+                                                        3 * (y * static_cast<std::size_t>(image.width) + left + x)));
   };
   for (std::size_t pixel = 0; pixel < golden.pixels(); ++pixel) {
     const Rgb expected = color_of(golden, pixel, span);

@@ -238,8 +238,8 @@ std::string to_string(const std::vector<SeriesRelation>& relations, const std::v
   std::vector<std::string> parts;
   for (const Kind kind : {Kind::order, Kind::scale, Kind::offset, Kind::delay, Kind::stale}) {
     std::vector<SeriesRelation> of_kind;
-    std::copy_if(relations.begin(), relations.end(), std::back_inserter(of_kind),
-                 [&](const SeriesRelation& relation) { return relation.kind == kind; });
+    std::ranges::copy_if(relations, std::back_inserter(of_kind),
+                         [&](const SeriesRelation& relation) { return relation.kind == kind; });
     if (!of_kind.empty()) parts.push_back(RelationText(std::move(of_kind), series, is_whole).text());
   }
   return fmt::format("{}", fmt::join(parts, "; "));

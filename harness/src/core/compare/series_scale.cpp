@@ -31,7 +31,7 @@ double scale_of(const TraceChannel& channel, std::size_t column) {
 
 SeriesScales scales_of(const std::filesystem::path& recording, const std::vector<ToleranceRule>& rules) {
   std::vector<ToleranceRule> relative;
-  std::copy_if(rules.begin(), rules.end(), std::back_inserter(relative), is_relative);
+  std::ranges::copy_if(rules, std::back_inserter(relative), is_relative);
   SeriesScales scales;
   if (relative.empty()) return scales;
   const auto add = [&](const Trace& piece) {

@@ -124,4 +124,41 @@ class AnswerReader {
   CdrReader form_;
 };
 
+/// The bytes of a value.
+template <class Value>
+std::string packed(const Value& value) {
+  AnswerWriter form;
+  form(value);
+  return form.text();
+}
+
+/// False: the bytes aren't those of such a value.
+template <class Value>
+bool unpack(std::string_view text, Value& value) {
+  AnswerReader form(text);
+  form(value);
+  return form.is_whole();
+}
+
+/// The bytes of a result: its diagnostics, and the outcome if there are none.
+template <class Outcome>
+std::string packed_result(const Result<Outcome>& result) {
+  AnswerWriter form;
+  form(result ? Diagnostics() : result.errors());
+  if (result) form(*result);
+  return form.text();
+}
+
+template <class Outcome>
+Result<Outcome> unpacked_result(std::string_view text) {
+  AnswerReader form(text);
+  Diagnostics errors;
+  form(errors);
+  if (!errors.empty()) return errors;
+  Outcome outcome;
+  form(outcome);
+  if (!form.is_whole()) return error("the process of a run passed a damaged result");
+  return outcome;
+}
+
 }  // namespace rehearse

@@ -30,21 +30,8 @@ bool begin_without_guests();
 template <class Outcome>
 Result<Outcome> in_own_process(const std::function<Result<Outcome>()>& make) {
   if (!has_own_processes()) return make();
-  const auto text = REHEARSE_TRY(call_in_own_process([&make] {
-    const Result<Outcome> made = make();
-    AnswerWriter form;
-    form(made ? Diagnostics() : made.errors());
-    if (made) form(*made);
-    return form.text();
-  }));
-  AnswerReader form(text);
-  Diagnostics errors;
-  form(errors);
-  if (!errors.empty()) return errors;
-  Outcome outcome;
-  form(outcome);
-  if (!form.is_whole()) return error("the process of a run passed a damaged result");
-  return outcome;
+  const auto text = REHEARSE_TRY(call_in_own_process([&make] { return packed_result(make()); }));
+  return unpacked_result<Outcome>(text);
 }
 
 }  // namespace rehearse

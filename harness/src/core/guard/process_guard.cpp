@@ -279,7 +279,7 @@ RunEnvironment::~RunEnvironment() {
   if (--before_runs.runs > 0) return;
   const std::vector<std::string> now = variables(), &before = before_runs.variables;
   const auto lacks = [](const std::vector<std::string>& all, const std::string& one) {
-    return !std::binary_search(all.begin(), all.end(), one);
+    return !std::ranges::binary_search(all, one);
   };
   for (const std::string& variable : now)
     if (lacks(before, variable)) unsetenv(name_of_variable(variable).c_str());

@@ -32,7 +32,7 @@ void feed_camera(cnoid::Device& target, const Device& device, const DeviceReadin
   }
   const auto image = std::make_shared<cnoid::Image>();
   image->setSize(reading.image->width, reading.image->height, 3);
-  std::copy(reading.image->pixels.begin(), reading.image->pixels.end(), image->pixels());
+  std::ranges::copy(reading.image->pixels, image->pixels());
   std::shared_ptr<cnoid::Image> handed = image;
   camera.setImage(handed);
   camera.setDelay(now - reading.measured_at);

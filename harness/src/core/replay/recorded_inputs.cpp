@@ -245,9 +245,8 @@ Result<void> RecordedInputs::accept_joystick(const mcap::Message& message) {
       joy.buttons.size() != reading.buttons.size())
     return error(fmt::format("a message on /joy at {} ns is not of a joystick with {} axes and {} buttons",
                              message.log_time, reading.axes.size(), reading.buttons.size()));
-  std::copy(joy.axes.begin(), joy.axes.end(), reading.axes.begin());
-  std::transform(joy.buttons.begin(), joy.buttons.end(), reading.buttons.begin(),
-                 [](std::int32_t button) { return button != 0; });
+  std::ranges::copy(joy.axes, reading.axes.begin());
+  std::ranges::transform(joy.buttons, reading.buttons.begin(), [](std::int32_t button) { return button != 0; });
   return {};
 }
 

@@ -254,8 +254,8 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
     return nullptr;
   }
   Diagnostics reports;
-  std::copy_if(model->report.begin(), model->report.end(), std::back_inserter(reports),
-               [](const Diagnostic& report) { return report.severity != Severity::note; });
+  std::ranges::copy_if(model->report, std::back_inserter(reports),
+                       [](const Diagnostic& report) { return report.severity != Severity::note; });
   findings_.pass_through(node, std::move(reports));
   known->second = std::make_shared<const Model>(std::move(*model));
   return known->second;

@@ -15,6 +15,7 @@
 #include "core/guard/float_mode.h"
 #include "core/kinds/channel_name.h"
 #include "core/trace/trace_windows.h"
+#include "noise_estimate.h"
 #include "plant.h"
 #include "recorded_commands.h"
 
@@ -79,36 +80,6 @@ Result<StateColumns> columns_of(const ScenarioBody& body, const Trace& flight) {
   }
   return found;
 }
-
-/// The noise of a joint's measured velocity.
-class NoiseEstimate {
- public:
-  void add(double velocity) {
-    if (count_ > 0 && velocity != last_[0]) step_ = std::min(step_, std::abs(velocity - last_[0]));
-    if (count_ >= 3)
-      differences_.push_back(static_cast<float>(std::abs(velocity - 3 * last_[0] + 3 * last_[1] - last_[2])));
-    last_ = {velocity, last_[0], last_[1]};
-    ++count_;
-  }
-  /// Ticks are missing before the next one.
-  void interrupt() { count_ = 0; }
-  bool is_full() const { return differences_.size() >= most_samples; }
-  /// Standard deviation; of steps of a quantum at least that of its rounding.
-  double value() {
-    if (differences_.empty()) return 0.0;
-    const auto middle = differences_.begin() + static_cast<std::ptrdiff_t>(differences_.size() / 2);
-    std::nth_element(differences_.begin(), middle, differences_.end());
-    // the third difference of independent numbers has the variance 1 + 9 + 9 + 1
-    const double robust = 1.4826 * static_cast<double>(*middle) / std::sqrt(20.0);
-    return std::isfinite(step_) ? std::max(robust, step_ / std::sqrt(12.0)) : robust;
-  }
-
- private:
-  std::array<double, 3> last_{};
-  int count_ = 0;
-  double step_ = std::numeric_limits<double>::infinity();
-  std::vector<float> differences_;
-};
 
 /// The sum of a joint's differences over the last ticks.
 class Sum {
@@ -215,7 +186,7 @@ Result<ForcedReport> ForcedRun::compare(RecordedCommands commands,
   for_each_state([&](std::int64_t tick, const TraceChannel& table, std::size_t row) {
     all = tick;
     for (Moved& joint : joints_) {
-      if (joint.noise.is_full()) continue;
+      if (joint.noise.samples() >= most_samples) continue;
       if (tick != last + 1) joint.noise.interrupt();
       joint.noise.add(table.number(row, joint.dq));
     }

@@ -81,7 +81,7 @@ Result<void> RecordedCheckpoints::make_recorded_world() {
 Result<bool> RecordedCheckpoints::restore(std::int64_t tick, World& world, std::vector<std::byte>* readings) {
   if (!channel_) return false;
   const std::uint64_t time = nanoseconds_of(tick, scenario_.time_step);
-  const auto found = std::lower_bound(channel_->times.begin(), channel_->times.end(), time);
+  const auto found = std::ranges::lower_bound(channel_->times, time);
   if (found == channel_->times.end() || *found != time) return false;
   const auto checkpoint = REHEARSE_TRY(read(static_cast<std::size_t>(found - channel_->times.begin())));
   if (!std::exchange(prepared_, true)) {

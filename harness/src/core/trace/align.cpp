@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/hashing.h"
+#include "base/median.h"
 #include "base/names.h"
 #include "core/mcap/draft.h"
 #include "core/ros2msg/ros2msg.h"
@@ -134,9 +135,7 @@ std::int64_t median_interval(const std::vector<std::int64_t>& times) {
   if (times.size() < 3) return 2 * rare_distance;
   std::vector<std::int64_t> intervals;
   for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return upper_median(std::move(intervals));
 }
 
 /// The samples of a series, sorted by time.
@@ -304,12 +303,6 @@ struct TimePair {
   std::int64_t second = 0, first = 0;
 };
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::vector<TimePair> pairs_of_equal_content(mcap::Reader& first, mcap::Reader& second) {
   const Contents contents_a = contents_of(first), contents_b = contents_of(second);
   std::vector<TimePair> pairs;
@@ -366,14 +359,14 @@ bool find_drift(std::vector<TimePair> pairs, Alignment& alignment) {
   }
   if (slopes.empty()) return false;
   Alignment found = alignment;
-  found.drift = median_of(slopes);
+  found.drift = upper_median(slopes);
   for (const auto& [second, first] : pairs)
     offsets.push_back(static_cast<double>(first - pairs[0].first - (found.without_drift(second) - pairs[0].second)));
-  const double middle = median_of(offsets);
+  const double middle = upper_median(offsets);
   for (const double offset : offsets) distances.push_back(std::abs(offset - middle));
   const double moved = std::abs(found.drift) * static_cast<double>(pairs.back().second - pairs.front().second);
   constexpr double rounding = 1000.0;  // [ns]
-  if (std::abs(found.drift) > most_drift || moved < 4.0 * median_of(distances) + rounding) return false;
+  if (std::abs(found.drift) > most_drift || moved < 4.0 * upper_median(distances) + rounding) return false;
   found.offset = pairs[0].first - pairs[0].second + std::llround(middle);
   found.drift_pairs = pairs.size();
   alignment = found;
@@ -472,9 +465,7 @@ Result<Alignment> write_aligned(const std::filesystem::path& first, const std::f
     if (const auto other = times_a.find(topic); other != times_a.end())
       moved[topic] = matched_times(other->second, times, alignment, distances);
   if (!distances.empty()) {
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    alignment.median_distance = static_cast<double>(*middle) * 1e-9;
+    alignment.median_distance = static_cast<double>(upper_median(distances)) * 1e-9;
     alignment.largest_distance = static_cast<double>(*std::ranges::max_element(distances)) * 1e-9;
   }
   mcap::WriterOptions form;

@@ -53,8 +53,8 @@ ColumnFields::ColumnFields(std::string_view type) {
   if (known == columns_by_type.end()) {
     any_number_ = true;
   } else {
-    std::copy_if(known->patterns.begin(), known->patterns.end(), std::back_inserter(patterns_),
-                 [](std::string_view pattern) { return !pattern.empty(); });
+    std::ranges::copy_if(known->patterns, std::back_inserter(patterns_),
+                         [](std::string_view pattern) { return !pattern.empty(); });
   }
 }
 

@@ -371,7 +371,7 @@ void TraceWindows::move(std::uint64_t keep_from, std::uint64_t until) {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     ChannelSource& source = sources_[i];
     TraceChannel& table = source.rows.table = std::move(trace_.channels_[i]);
-    const auto kept = std::lower_bound(table.times.begin(), table.times.end(), keep_from);
+    const auto kept = std::ranges::lower_bound(table.times, keep_from);
     drop_messages(table, static_cast<std::size_t>(kept - table.times.begin()));
     if (source.rest && table.times.empty()) source.rest->forget();
   }

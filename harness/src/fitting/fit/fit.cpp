@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "base/chance.h"
+#include "base/median.h"
 #include "fit_cost.h"
 #include "fit_places.h"
 #include "flown_motion.h"
@@ -38,10 +40,7 @@ using Sums = std::vector<StretchSum>;
 std::vector<double> weights_of(const Sums& sums) {
   std::vector<double> sizes;
   for (const StretchSum& sum : sums) sizes.push_back(sum.root_mean_square());
-  std::vector<double> sorted = sizes;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = far_off * std::max(1.0, *middle);
+  const double limit = far_off * std::max(1.0, upper_median(sizes));
   std::vector<double> weights;
   for (const double size : sizes) weights.push_back(size > limit ? limit / size : 1.0);
   return weights;
@@ -81,6 +80,7 @@ class Fitting {
   VectorXd step_of(const VectorXd& gradient, const MatrixXd& curvature, double damping) const;
   bool is_small(const VectorXd& step, const MatrixXd& curvature) const;
   Result<void> search_delays();
+  Result<std::optional<VectorXd>> better_step(const VectorXd& gradient, const MatrixXd& curvature, double& damping);
   Result<void> iterate();
   MatrixXd spread_of_sets() const;
 
@@ -177,6 +177,26 @@ Result<void> Fitting::search_delays() {
   return {};
 }
 
+/// A step that makes the sum smaller; nullopt: there is none. A step to numbers that no scenario can have is too long.
+Result<std::optional<VectorXd>> Fitting::better_step(const VectorXd& gradient, const MatrixXd& curvature,
+                                                     double& damping) {
+  const double before = sum_at(best_, now_, weights_);
+  for (int refused = 0; refused < most_refusals; ++refused) {
+    const VectorXd step = step_of(gradient, curvature, damping);
+    if (is_small(step, curvature)) return std::optional<VectorXd>();
+    const VectorXd next = best_ + step;
+    if (places_.scenario_with(next)) {
+      const Sums sums = REHEARSE_TRY(evaluate(next, false));
+      if (sum_at(next, sums, weights_) < before) {
+        damping = std::max(least_damping, 0.1 * damping);
+        return std::optional(step);
+      }
+    }
+    damping = std::min(1e6, 10.0 * damping);
+  }
+  return std::optional<VectorXd>();
+}
+
 Result<void> Fitting::iterate() {
   double damping = first_damping;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
@@ -186,27 +206,12 @@ Result<void> Fitting::iterate() {
     MatrixXd curvature;
     add(now_, weights_, gradient, curvature);
     add_known(best_, gradient, curvature);
-    const double before = sum_at(best_, now_, weights_);
-    bool is_done = true;
-    for (int refused = 0; refused < most_refusals; ++refused) {
-      const VectorXd step = step_of(gradient, curvature, damping);
-      if (is_small(step, curvature)) return {};
-      const VectorXd next = best_ + step;
-      const auto sums = evaluate(next, false);
-      if (!sums && sums.errors().front().message == "interrupted") return sums.errors();
-      if (sums && sum_at(next, *sums, weights_) < before) {
-        best_ = next;
-        damping = std::max(least_damping, 0.1 * damping);
-        is_done = false;
-        break;
-      }
-      damping = std::min(1e6, 10.0 * damping);
-    }
-    if (is_done) return {};
+    const auto step = REHEARSE_TRY(better_step(gradient, curvature, damping));
+    if (!step) return {};
+    best_ += *step;
   }
-  now_ = REHEARSE_TRY(evaluate(best_, true));
-  weights_ = weights_of(now_);
-  return {};
+  return error(fmt::format("the numbers still move after {} iterations", most_iterations),
+               "vary fewer numbers, or state narrower bounds");
 }
 
 Result<void> Fitting::go() {

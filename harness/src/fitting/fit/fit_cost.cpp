@@ -5,11 +5,12 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "core/guard/answer.h"
 #include "core/guard/float_mode.h"
 #include "core/guard/interruption.h"
 #include "core/guard/worker_pool.h"
@@ -89,6 +90,16 @@ class Stretches {
       moved_.back() = std::make_unique<Moved>(
           Moved{StretchRun(variant->scenario, places_.nominal(), motion_), variant->difference});
   }
+  /// The state in which a stretch begins.
+  struct Start {
+    VectorXd start;      // empty: the state is complete
+    VectorXd predicted;  // the numbers that follow from it
+    MatrixXd basis;      // of the directions in which it moves them; no columns: it isn't estimated
+  };
+
+  Index places() const { return static_cast<Index>(moved_.size() / 2); }
+  Result<std::optional<Start>> estimate(const FlownStretch& stretch, const VectorXd& goal, const VectorXd& weight);
+  Result<std::optional<MatrixXd>> slopes_at(const FlownStretch& stretch, const Start& here);
   VectorXd recorded(const FlownStretch& stretch) const;
   VectorXd first_start(const FlownStretch& stretch) const;
   VectorXd start_noise() const;
@@ -153,137 +164,114 @@ VectorXd Stretches::start_noise() const {
   return noise;
 }
 
+/// Estimates the start of a stretch by Gauss and Newton, unless its state is complete. nullopt: a world exploded.
+Result<std::optional<Stretches::Start>> Stretches::estimate(const FlownStretch& stretch, const VectorXd& goal,
+                                                            const VectorXd& weight) {
+  Start here;
+  here.basis = MatrixXd(goal.size(), 0);
+  if (stretch.state.empty()) here.start = first_start(stretch);
+  const auto begun = REHEARSE_TRY(base_.predict(stretch, here.start));
+  if (!begun) return std::optional<Start>();
+  here.predicted = *begun;
+  if (!stretch.state.empty()) return std::optional(std::move(here));
+  const VectorXd steps = start_noise();
+  for (int iteration = 0; iteration < start_iterations; ++iteration) {
+    MatrixXd slopes(goal.size(), here.start.size());
+    for (Index i = 0; i < here.start.size(); ++i) {
+      VectorXd moved = here.start;
+      moved[i] += steps[i];
+      const auto there = REHEARSE_TRY(base_.predict(stretch, moved));
+      if (!there) return std::optional<Start>();
+      slopes.col(i) = (*there - here.predicted).cwiseProduct(weight);  // by the noise of the start
+    }
+    const Eigen::ColPivHouseholderQR<MatrixXd> factors(slopes);
+    here.basis = MatrixXd(factors.householderQ() * MatrixXd::Identity(goal.size(), factors.rank()));
+    const VectorXd difference = (goal - here.predicted).cwiseProduct(weight);
+    VectorXd step = VectorXd(factors.solve(difference)).cwiseProduct(steps);
+    double gain = -1.0;
+    for (int halving = 0; gain < 0.0 && halving < most_halvings; ++halving, step *= 0.5) {
+      const auto there = REHEARSE_TRY(base_.predict(stretch, here.start + step));
+      if (!there) continue;
+      gain = difference.squaredNorm() - (goal - *there).cwiseProduct(weight).squaredNorm();
+      if (gain < 0.0) continue;
+      here.start += step;
+      here.predicted = *there;
+      break;
+    }
+    if (gain < small_gain) break;
+  }
+  return std::optional(std::move(here));
+}
+
+/// The derivatives of the numbers by each place; nullopt: a world exploded.
+Result<std::optional<MatrixXd>> Stretches::slopes_at(const FlownStretch& stretch, const Start& here) {
+  MatrixXd slopes(here.predicted.size(), places());
+  for (Index place = 0; place < places(); ++place) {
+    VectorXd low = here.predicted, high = here.predicted;
+    double distance = 0.0;
+    for (const bool is_above : {false, true}) {
+      Moved* const moved = moved_[static_cast<std::size_t>(2 * place + (is_above ? 1 : 0))].get();
+      if (!moved) continue;
+      const auto numbers = REHEARSE_TRY(moved->run.predict(stretch, here.start));
+      if (!numbers) return std::optional<MatrixXd>();
+      (is_above ? high : low) = *numbers;
+      distance += std::abs(moved->difference);
+    }
+    slopes.col(place) = (high - low) / distance;
+  }
+  return std::optional(std::move(slopes));
+}
+
 Result<StretchSum> Stretches::sum_of(const FlownStretch& stretch) {
   const auto width = static_cast<Index>(motion_.series().size());
-  const auto places = static_cast<Index>(moved_.size() / 2);
   const VectorXd goal = recorded(stretch);
   VectorXd weight(goal.size());
   for (Index i = 0; i < goal.size(); ++i) weight[i] = 1.0 / motion_.series()[static_cast<std::size_t>(i % width)].noise;
 
   StretchSum sum;
-  sum.gradient = VectorXd::Zero(places);
-  sum.curvature = MatrixXd::Zero(places, places);
+  sum.gradient = VectorXd::Zero(places());
+  sum.curvature = MatrixXd::Zero(places(), places());
   sum.of_series.assign(static_cast<std::size_t>(width), 0.0);
-  const auto exploded = [&] {
+  const auto here = REHEARSE_TRY(estimate(stretch, goal, weight));
+  std::optional<MatrixXd> slopes;
+  if (here) slopes = REHEARSE_TRY(slopes_at(stretch, *here));
+  if (!slopes) {
     sum.squares = squares_of_explosion;
     sum.freedom = static_cast<double>(goal.size());
     sum.has_exploded = true;
     return sum;
-  };
-
-  VectorXd start;
-  MatrixXd basis(goal.size(), 0);  // of the directions in which the start moves the numbers
-  if (stretch.state.empty()) {
-    start = first_start(stretch);
-    const VectorXd steps = start_noise();
-    auto here = REHEARSE_TRY(base_.predict(stretch, start));
-    for (int iteration = 0; here && iteration < start_iterations; ++iteration) {
-      MatrixXd slopes(goal.size(), start.size());
-      for (Index i = 0; i < start.size(); ++i) {
-        VectorXd moved = start;
-        moved[i] += steps[i];
-        const auto there = REHEARSE_TRY(base_.predict(stretch, moved));
-        if (!there) return exploded();
-        slopes.col(i) = (*there - *here).cwiseProduct(weight);  // by the noise of the start
-      }
-      const Eigen::ColPivHouseholderQR<MatrixXd> factors(slopes);
-      basis = MatrixXd(factors.householderQ() * MatrixXd::Identity(goal.size(), factors.rank()));
-      const VectorXd difference = (goal - *here).cwiseProduct(weight);
-      VectorXd step = VectorXd(factors.solve(difference)).cwiseProduct(steps);
-      double gain = -1.0;
-      for (int halving = 0; gain < 0.0 && halving < most_halvings; ++halving, step *= 0.5) {
-        auto there = REHEARSE_TRY(base_.predict(stretch, start + step));
-        if (!there) continue;
-        gain = difference.squaredNorm() - (goal - *there).cwiseProduct(weight).squaredNorm();
-        if (gain < 0.0) continue;
-        start += step;
-        here = std::move(there);
-        break;
-      }
-      if (gain < small_gain) break;
-    }
-    if (!here) return exploded();
   }
-  const auto predicted = REHEARSE_TRY(base_.predict(stretch, start));
-  if (!predicted) return exploded();
-  const auto projected = [&](const VectorXd& numbers) -> VectorXd {
-    return numbers - basis * (basis.transpose() * numbers);
+  const auto without_start = [&](const VectorXd& numbers) -> VectorXd {
+    return numbers - here->basis * (here->basis.transpose() * numbers);
   };
-  const VectorXd left = projected((goal - *predicted).cwiseProduct(weight));
+  const VectorXd left = without_start((goal - here->predicted).cwiseProduct(weight));
+  for (Index place = 0; place < places(); ++place)
+    slopes->col(place) = without_start(slopes->col(place).cwiseProduct(weight));
   sum.squares = left.squaredNorm();
-  sum.freedom = static_cast<double>(goal.size() - basis.cols());
+  sum.freedom = static_cast<double>(goal.size() - here->basis.cols());
   for (Index i = 0; i < left.size(); ++i) sum.of_series[static_cast<std::size_t>(i % width)] += left[i] * left[i];
-
-  MatrixXd slopes(goal.size(), places);
-  for (Index place = 0; place < places; ++place) {
-    Moved* const below = moved_[static_cast<std::size_t>(2 * place)].get();
-    Moved* const above = moved_[static_cast<std::size_t>(2 * place + 1)].get();
-    VectorXd low = *predicted, high = *predicted;
-    double distance = 0.0;
-    for (Moved* const moved : {below, above}) {
-      if (!moved) continue;
-      const auto numbers = REHEARSE_TRY(moved->run.predict(stretch, start));
-      if (!numbers) return exploded();
-      (moved == below ? low : high) = *numbers;
-      distance += std::abs(moved->difference);
-    }
-    slopes.col(place) = projected(((high - low) / distance).cwiseProduct(weight));
-  }
-  sum.gradient = slopes.transpose() * left;
-  sum.curvature = slopes.transpose() * slopes;
+  sum.gradient = slopes->transpose() * left;
+  sum.curvature = slopes->transpose() * *slopes;
   return sum;
 }
 
-/// The numbers of an answer of a process.
-class Packed {
- public:
-  void put(double number) { text_.append(reinterpret_cast<const char*>(&number), sizeof number); }
-  void put(const StretchSum& sum) {
-    put(sum.squares);
-    put(sum.freedom);
-    put(sum.has_exploded ? 1.0 : 0.0);
-    for (const double square : sum.of_series) put(square);
-    for (const double number : sum.gradient) put(number);
-    for (const double number : sum.curvature.reshaped()) put(number);
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
-
-class Unpacked {
- public:
-  explicit Unpacked(const std::string& text) : text_(text) {}
-  bool has(std::size_t numbers) const { return text_.size() - at_ >= numbers * sizeof(double); }
-  double next() {
-    double number = 0.0;
-    std::memcpy(&number, text_.data() + at_, sizeof number);
-    at_ += sizeof number;
-    return number;
-  }
-  StretchSum next_sum(std::size_t series, Index places) {
-    StretchSum sum;
-    sum.squares = next();
-    sum.freedom = next();
-    sum.has_exploded = next() != 0.0;
-    for (std::size_t i = 0; i < series; ++i) sum.of_series.push_back(next());
-    sum.gradient.resize(places);
-    sum.curvature.resize(places, places);
-    for (double& number : sum.gradient) number = next();
-    for (double& number : sum.curvature.reshaped()) number = next();
-    return sum;
-  }
-
- private:
-  const std::string& text_;
-  std::size_t at_ = 0;
-};
-
-constexpr char is_refused = '!';  // first byte of an answer that is a message
-constexpr char is_made = '=';
-
 }  // namespace
+
+static std::vector<double> numbers_of(const MatrixXd& matrix) { return {matrix.data(), matrix.data() + matrix.size()}; }
+
+static void each_member(const StretchSum& sum, AnswerWriter& each) {
+  each(sum.squares), each(sum.freedom), each(sum.has_exploded), each(sum.of_series);
+  each(numbers_of(sum.gradient)), each(numbers_of(sum.curvature));
+}
+
+static void each_member(StretchSum& sum, AnswerReader& each) {
+  std::vector<double> gradient, curvature;
+  each(sum.squares), each(sum.freedom), each(sum.has_exploded), each(sum.of_series), each(gradient), each(curvature);
+  const auto places = static_cast<Index>(gradient.size());
+  if (curvature.size() != gradient.size() * gradient.size()) return;  // damaged: it has another size than the others
+  sum.gradient = VectorXd::Map(gradient.data(), places);
+  sum.curvature = MatrixXd::Map(curvature.data(), places, places);
+}
 
 double StretchSum::root_mean_square() const { return freedom > 0.0 ? std::sqrt(squares / freedom) : 0.0; }
 
@@ -305,8 +293,8 @@ Result<std::vector<StretchSum>> FitCost::evaluate(const VectorXd& numbers, bool 
   const Variants variants = REHEARSE_TRY(variants_of(places_, numbers, with_derivatives));
   const std::size_t parts = std::min(most_parts, all_.size());
   const auto begin_of = [&](std::size_t part) { return all_.size() * part / parts; };
-  const auto make = [&](std::size_t part) -> Result<std::string> {
-    Packed packed;
+  const auto make = [&](std::size_t part) -> Result<std::vector<StretchSum>> {
+    std::vector<StretchSum> sums;
     std::unique_ptr<Stretches> worlds;
     std::optional<std::size_t> motion;
     for (std::size_t i = begin_of(part); i < begin_of(part + 1); ++i) {
@@ -314,37 +302,26 @@ Result<std::vector<StretchSum>> FitCost::evaluate(const VectorXd& numbers, bool 
         motion = all_[i].motion;
         worlds = std::make_unique<Stretches>(places_, variants, *motions_[*motion]);
       }
-      packed.put(REHEARSE_TRY(worlds->sum_of(motions_[*motion]->stretches()[all_[i].stretch])));
+      sums.push_back(REHEARSE_TRY(worlds->sum_of(motions_[*motion]->stretches()[all_[i].stretch])));
     }
-    return packed.take();
+    return sums;
   };
   WorkerPool pool({WorkerPool::Kind::bare, std::min(jobs_, parts), {}, {}},
                   [&](std::int64_t job, const std::filesystem::path&) {
-                    const auto made = make(static_cast<std::size_t>(job));
-                    return WorkerPool::Made{made ? is_made + *made : is_refused + made.errors().front().message};
+                    return WorkerPool::Made{packed_result(make(static_cast<std::size_t>(job)))};
                   });
-  std::vector<std::string> answers(parts);
+  std::vector<std::vector<StretchSum>> made(parts);
   for (std::size_t given = 0, answered = 0; answered < parts;) {
     for (; given < parts && pool.has_room(); ++given) REHEARSE_TRY(pool.give(static_cast<std::int64_t>(given)));
     if (interruption() != 0) return error("interrupted");
     const auto answer = REHEARSE_TRY(pool.wait());
     if (!answer) continue;
     if (!answer->text) return error(fmt::format("a process of the fit ended {}", answer->end));
-    if (answer->text->starts_with(is_refused)) return error(answer->text->substr(1));
-    answers[static_cast<std::size_t>(answer->job)] = answer->text->substr(1);
+    made[static_cast<std::size_t>(answer->job)] = REHEARSE_TRY(unpacked_result<std::vector<StretchSum>>(*answer->text));
     ++answered;
   }
-  const Index places = with_derivatives ? static_cast<Index>(places_.size()) : 0;
   std::vector<StretchSum> sums;
-  for (std::size_t part = 0; part < parts; ++part) {
-    Unpacked unpacked(answers[part]);
-    for (std::size_t i = begin_of(part); i < begin_of(part + 1); ++i) {
-      const std::size_t series = motions_[all_[i].motion]->series().size();
-      const auto size = 3 + series + static_cast<std::size_t>(places + places * places);
-      if (!unpacked.has(size)) return error("a process of the fit gave no whole answer");
-      sums.push_back(unpacked.next_sum(series, places));
-    }
-  }
+  for (std::vector<StretchSum>& part : made) std::ranges::move(part, std::back_inserter(sums));
   return sums;
 }
 

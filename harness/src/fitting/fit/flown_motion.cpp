@@ -14,6 +14,7 @@
 #include "core/compare/scenario_changes.h"
 #include "core/kinds/channel_name.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/simulation/noise_estimate.h"
 #include "core/simulation/plant.h"
 #include "core/simulation/recorded_checkpoints.h"
 #include "core/simulation/recorded_commands.h"
@@ -46,26 +47,6 @@ std::string unknown_state(const Scenario& scenario, std::size_t flown) {
     }
   }
   return {};
-}
-
-/// The standard deviation of independent errors of a series, from its third differences. Rounding to steps counts, too.
-double noise_of(const std::vector<double>& numbers) {
-  std::vector<double> differences;
-  double least_step = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (i > 0 && numbers[i] != numbers[i - 1] && std::isfinite(numbers[i] - numbers[i - 1]))
-      least_step = std::min(least_step, std::abs(numbers[i] - numbers[i - 1]));
-    if (i < 3) continue;
-    const double difference = numbers[i] - 3 * numbers[i - 1] + 3 * numbers[i - 2] - numbers[i - 3];
-    if (std::isfinite(difference)) differences.push_back(std::abs(difference));
-  }
-  if (differences.empty()) return least_noise;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  // the median of the magnitude of a normal number is 1 / 1.4826; third differences have the variance 1 + 9 + 9 + 1
-  const double robust = 1.4826 * *middle / std::sqrt(20.0);
-  const double rounding = std::isfinite(least_step) ? least_step / std::sqrt(12.0) : 0.0;
-  return std::max({robust, rounding, least_noise});
 }
 
 }  // namespace
@@ -157,9 +138,12 @@ Result<void> FlownMotion::read_commands(const Scenario& scenario, const Trace& t
 
 void FlownMotion::measure_noise() {
   for (std::size_t i = 0; i < series_.size(); ++i) {
-    std::vector<double> numbers;
-    for (std::int64_t tick = 0; tick < ticks(); ++tick) numbers.push_back(measured(tick, i));
-    series_[i].noise = noise_of(numbers);
+    NoiseEstimate noise;
+    for (std::int64_t tick = 0; tick < ticks(); ++tick) {
+      const double number = measured(tick, i);
+      std::isfinite(number) ? noise.add(number) : noise.interrupt();
+    }
+    series_[i].noise = std::max(noise.value(), least_noise);
   }
 }
 

@@ -28,20 +28,6 @@ namespace {
 /// A job: some runs, one after another.
 std::int64_t job_of(std::size_t first, std::size_t count) { return static_cast<std::int64_t>(first << 16 | count); }
 
-template <class Value>
-std::string packed(const Value& value) {
-  AnswerWriter form;
-  form(value);
-  return form.text();
-}
-
-template <class Value>
-bool unpack(const std::string& text, Value& value) {
-  AnswerReader form(text);
-  form(value);
-  return form.is_whole();
-}
-
 Diagnostic interrupted() { return error("interrupted"); }
 
 /// The outcome of a run whose process ended in it.
@@ -194,7 +180,7 @@ Result<void> InputWorkers::run_part(const std::vector<Inputs>& all, MemoryFill f
   for (std::size_t i = 0; i < count; ++i) {
     const Inputs& inputs = all[first + i];
     shared_->ticks[i] = inputs.ticks();
-    std::copy(inputs.values.begin(), inputs.values.end(), shared_->values() + i * slot_size_);
+    std::ranges::copy(inputs.values, shared_->values() + i * slot_size_);
   }
   std::vector<std::pair<std::size_t, std::size_t>> waiting;
   const std::size_t jobs = std::min(workers_, count);

@@ -14,7 +14,7 @@ constexpr std::string_view of_exception = "C++ exception with description \"";
 /// True for the name of a source or header of C++.
 bool is_source(std::string_view file) {
   constexpr std::array<std::string_view, 9> ends{".cpp", ".cc", ".cxx", ".c++", ".C", ".h", ".hpp", ".hh", ".hxx"};
-  return std::any_of(ends.begin(), ends.end(), [&](std::string_view end) {
+  return std::ranges::any_of(ends, [&](std::string_view end) {
     return file.size() > end.size() && file.substr(file.size() - end.size()) == end;
   });
 }

@@ -109,7 +109,7 @@ void FolderReader::read_compression(const YamlNode& bag) {
   const YamlNode* mode = find(&bag, "compression_mode");
   const YamlNode* format = find(&bag, "compression_format");
   std::string stated = text_of(mode);
-  std::transform(stated.begin(), stated.end(), stated.begin(), [](char c) { return c >= 'a' ? c - 'a' + 'A' : c; });
+  std::ranges::transform(stated, stated.begin(), [](char c) { return c >= 'a' ? c - 'a' + 'A' : c; });
   if (stated.empty() || stated == "NONE") return;
   if (stated != "FILE" && stated != "MESSAGE") {
     report(*mode, fmt::format("the compression_mode {} is unknown", in_quotes(mode->text)),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/median.h"
 #include "core/kinds/kinds.h"
 #include "core/ros2msg/ros2msg.h"
 
@@ -52,11 +53,6 @@ TopicUse use_of(const LogTopic& topic) {
   return topic.has("data/*") ? TopicUse::numbers : TopicUse::other;
 }
 
-double median_of(std::vector<double> numbers) {
-  std::nth_element(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2), numbers.end());
-  return numbers[numbers.size() / 2];
-}
-
 /// Collects the facts of one topic.
 class TopicReader {
  public:
@@ -89,9 +85,9 @@ class TopicReader {
   }
 
   void finish() {
-    if (!lags_.empty()) contents_.stamp_lag = median_of(lags_);
+    if (!lags_.empty()) contents_.stamp_lag = upper_median(lags_);
     if (intervals_.empty()) return;
-    const double median = median_of(intervals_);
+    const double median = upper_median(intervals_);
     contents_.interval = median;
     for (const double interval : intervals_)
       contents_.unevenness = std::max(contents_.unevenness, std::abs(interval / median - 1.0));

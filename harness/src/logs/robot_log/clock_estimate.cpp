@@ -4,16 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "base/median.h"
+
 namespace rehearse {
 namespace {
 
 constexpr double largest_drift = 1e-3;
-
-double median_of(std::vector<double> numbers) {
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -79,7 +75,7 @@ double ClockEstimate::usual_slope(Blocks blocks, std::size_t reach) {
         if (b.x > a.x) slopes.push_back((b.y - a.y) / (b.x - a.x));
       }
     if (slopes.empty()) return 0.0;
-    slope = std::clamp(median_of(std::move(slopes)), -largest_drift, largest_drift);
+    slope = std::clamp(upper_median(std::move(slopes)), -largest_drift, largest_drift);
   }
   return slope;
 }
@@ -92,10 +88,10 @@ std::vector<std::size_t> ClockEstimate::steps(Blocks blocks) {
   std::vector<double> delays, changes;
   for (const Block& block : blocks) delays.push_back(block.lowest(slope).second);
   for (std::size_t i = 1; i < delays.size(); ++i) changes.push_back(std::abs(delays[i] - delays[i - 1]));
-  const double jump = times_usual * median_of(changes) + least;
+  const double jump = times_usual * upper_median(changes) + least;
   const auto level = [&](std::size_t from) {
     const auto first = delays.begin() + static_cast<std::ptrdiff_t>(from);
-    return median_of({first, first + lasting});
+    return upper_median(std::vector<double>(first, first + lasting));
   };
   std::vector<std::size_t> found;
   for (std::size_t i = lasting; i + lasting <= delays.size(); ++i)
@@ -108,9 +104,9 @@ std::vector<ClockEstimate::Block> ClockEstimate::plausible(Blocks blocks) {
   const double slope = usual_slope(blocks, blocks.size());
   std::vector<double> delays, distances;
   for (const Block& block : blocks) delays.push_back(block.lowest(slope).second);
-  const double usual = median_of(delays);
+  const double usual = upper_median(delays);
   for (const double delay : delays) distances.push_back(std::abs(delay - usual));
-  const double least = usual - far * median_of(std::move(distances)) - rounding;
+  const double least = usual - far * upper_median(std::move(distances)) - rounding;
   std::vector<Block> kept;
   for (std::size_t i = 0; i < blocks.size(); ++i)
     if (delays[i] >= least) kept.push_back(blocks[i]);

@@ -50,7 +50,7 @@ LogTicks LogTicks::at_messages(const std::vector<std::int64_t>& messages, std::i
   const auto steps = [start, time_step](std::int64_t time) {
     return static_cast<double>(time - start) * 1e-9 / time_step;
   };
-  for (auto message = std::lower_bound(messages.begin(), messages.end(), start); message != messages.end(); ++message) {
+  for (auto message = std::ranges::lower_bound(messages, start); message != messages.end(); ++message) {
     if (ticks.messages_.empty()) {
       // The first commands may be missing; a tick is up to a quarter of a step too early if the messages jitter.
       const double missing = shift < 0 ? std::floor(steps(*message + shift) + 0.25) : 0.0;

@@ -112,7 +112,7 @@ inline Diagnostic misfit(mcap::Bytes payload) {
 inline bool same_layout(const ros2msg::Schema& a, std::size_t of_a, const ros2msg::Schema& b, std::size_t of_b) {
   const auto& ours = a.definitions[of_a].fields;
   const auto& theirs = b.definitions[of_b].fields;
-  return std::equal(ours.begin(), ours.end(), theirs.begin(), theirs.end(), [&](const auto& x, const auto& y) {
+  return std::ranges::equal(ours, theirs, [&](const auto& x, const auto& y) {
     if (x.name != y.name || x.type.is_message != y.type.is_message || x.type.shape != y.type.shape) return false;
     if (x.type.shape == ros2msg::FieldType::Shape::array && x.type.count != y.type.count) return false;
     return x.type.is_message ? same_layout(a, x.type.message, b, y.type.message) : x.type.primitive == y.type.primitive;

@@ -78,7 +78,7 @@ bool MessageFinder::may_have(Place& place, std::uint16_t channel) {
     std::ranges::sort(place.channels);
     let_go(place.chunk.offset, walker.offset());
   }
-  return !place.has_index || std::binary_search(place.channels.begin(), place.channels.end(), channel);
+  return !place.has_index || std::ranges::binary_search(place.channels, channel);
 }
 
 std::shared_ptr<const MessageFinder::Content> MessageFinder::content(std::size_t place) {
