@@ -28,7 +28,7 @@ cd "$source"
 "$rehearse" record fixtures/scenarios/sr1_minimum.yaml --duration 0.5 -o "$folder/core.mcap"
 "$rehearse" replay "$folder/core.mcap"
 "$rehearse" info "$folder/core.mcap" | grep -q JointState || fail "info shows no joints"
-for verb in map export step report sweep audit import fuzz fit; do
+for verb in map export step report serve sweep audit import fuzz fit; do
   "$rehearse" --help | grep -q "^  $verb " && fail "the core's --help lists $verb"
   status=0
   output=$("$rehearse" $verb 2>&1) || status=$?
@@ -37,5 +37,8 @@ done
 status=0
 output=$("$rehearse" replay "$folder/core.mcap" --tick 3 2>&1) || status=$?
 [[ $status == 2 && $output == *"leaves out --tick"* ]] || fail "replay --tick: $output"
+status=0
+output=$("$rehearse" record fixtures/scenarios/sr1_minimum.yaml --live -o "$folder/live.mcap" 2>&1) || status=$?
+[[ $status == 2 && $output == *"leaves out the option --live"* ]] || fail "record --live: $output"
 find "$build/lib" -name 'librehearse_*.so' | grep -E 'logs|viewing|campaigns|audit|choreonoid|testing|fuzz|fitting' && fail "a wing was built"
 exit 0
