@@ -187,14 +187,22 @@ project_version() { sed -nE 's/^project\(Rehearse VERSION ([0-9.]+).*/\1/p' CMak
 # Options of cmake, besides those of the preset.
 configure_options=()
 
+# Settings of the compiler cache.
+set_up_ccache() {
+  # Of precompiled headers it compares the contents, not their times.
+  export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+  # It compares whole files, not the preprocessor's output. That output is equal when only a comment changes, but gcc
+  # tells by a header's bytes that a precompiled header has it.
+  export CCACHE_DEPEND=1
+  # In CI every run is a new checkout: let all runs share a compiler cache, whatever the folder of the checkout.
+  if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
+}
+
 configure() {
   local preset=$1 launcher=()
   if command -v ccache > /dev/null; then
     launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-    # Of precompiled headers it compares the contents, not their times.
-    export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
-    # In CI every run is a new checkout: let all runs share a compiler cache, whatever the folder of the checkout.
-    if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
+    set_up_ccache
   fi
   quietly "$(build_folder "$preset")/configure.log" cmake --preset "$preset" "${launcher[@]}" "${configure_options[@]}"
 }

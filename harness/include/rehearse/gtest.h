@@ -284,8 +284,8 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 #define ASSERT_REALTIME(run) ASSERT_PRED_FORMAT1(::rehearse::internal::IsRealtime, run)
 
 /// Passes if the controllers give the same commands, bit for bit, for the inputs in golden/NAME.mcap, without physics.
-/// Of a robot's flight (`rehearse golden accept NAME --recording flight.mcap`) commands within their tolerances pass, if
-/// the robot's processor or C library rounds differently.
+/// Of a robot's flight (`rehearse golden accept NAME --recording flight.mcap`) commands within their tolerances pass
+/// too, if the robot's processor or C library rounds differently.
 #define EXPECT_REPLAYS(name) EXPECT_PRED_FORMAT1(::rehearse::internal::Replays, name)
 #define ASSERT_REPLAYS(name) ASSERT_PRED_FORMAT1(::rehearse::internal::Replays, name)
 
