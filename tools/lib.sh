@@ -187,12 +187,12 @@ project_version() { sed -nE 's/^project\(Rehearse VERSION ([0-9.]+).*/\1/p' CMak
 # Options of cmake, besides those of the preset.
 configure_options=()
 
-# Settings of the compiler cache.
+# set_up_ccache: puts the settings of ccache, which all builds by these scripts share, into the environment.
 set_up_ccache() {
-  # Of precompiled headers it compares the contents, not their times.
+  # ccache compares the contents of precompiled headers, not their times.
   export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
-  # It compares whole files, not the preprocessor's output. That output is equal when only a comment changes, but gcc
-  # tells by a header's bytes that a precompiled header has it.
+  # ccache compares sources and headers byte for byte, not the preprocessor's output: a changed comment leaves that output
+  # equal, but gcc finds the header in a precompiled one only if its bytes are equal.
   export CCACHE_DEPEND=1
   # In CI every run is a new checkout: let all runs share a compiler cache, whatever the folder of the checkout.
   if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
