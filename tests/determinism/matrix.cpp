@@ -243,7 +243,7 @@ Result<void> Matrix::judge_elsewhere(const Reference& reference, const fs::path&
 Result<Outcome> Matrix::make(const Row& row) const {
   const fs::path folder = folder_ / folder_name(row.name);
   fs::create_directories(folder);
-  if (auto done = record(row, folder); !done) return done.errors();
+  REHEARSE_TRY(record(row, folder));
   Outcome outcome;
   const auto maker = made_by(row, folder);
   if (!maker) return maker.errors();

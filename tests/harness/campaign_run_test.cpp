@@ -29,7 +29,7 @@ Simulation simulation_of(const Fails& fails, const fs::path& full_disk = "") {
     const ScenarioBody& box = scenario.bodies[0];
     const double mass = box.model->links[0].inertial.mass, height = box.position.z();
     if (fs::exists(full_disk) && height > 1.5) return error("can't write the trace: No space left on device");
-    if (auto closed = (*writer)->close(); !closed) return closed.errors();
+    REHEARSE_TRY((*writer)->close());
     RunSummary summary;
     if (fails(mass, height)) {
       summary.end = RunEnding::threw;

@@ -274,7 +274,7 @@ Result<Made> broken(Result<Made> made, const fs::path& trace, Broken how) {
     before = testing::untouched(message);
     return now;
   };
-  if (auto done = testing::mutilate(trace, change); !done) return done.errors();
+  REHEARSE_TRY(testing::mutilate(trace, change));
   return made;
 }
 

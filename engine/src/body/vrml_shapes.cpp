@@ -50,7 +50,7 @@ void add_faces(const VrmlNode& node, MapWriter& to) {
   std::vector<double> indices = faces->numbers;
   if (node.numbers("ccw", {1.0})[0] == 0.0) {
     for (auto begin = indices.begin(); begin != indices.end();) {
-      const auto end = std::find_if(begin, indices.end(), [](double index) { return index < 0.0; });
+      const auto end = std::ranges::find_if(begin, indices.end(), [](double index) { return index < 0.0; });
       std::reverse(begin, end);
       begin = end == indices.end() ? end : end + 1;
     }

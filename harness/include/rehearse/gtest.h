@@ -124,12 +124,12 @@ struct MatchOptions {
   std::string source = {};  // of the test, as it was compiled; empty: unknown
 };
 
-inline void take(MatchOptions& options, Exact) { options.exact = true; }
-inline void take(MatchOptions& options, const Near& near) { options.near.push_back(near); }
-inline void take(MatchOptions& options, Until until) { options.until = until.time; }
-inline void take(MatchOptions& options, const Levels& levels) { options.levels = levels.levels; }
+inline void set_option(MatchOptions& options, Exact) { options.exact = true; }
+inline void set_option(MatchOptions& options, const Near& near) { options.near.push_back(near); }
+inline void set_option(MatchOptions& options, Until until) { options.until = until.time; }
+inline void set_option(MatchOptions& options, const Levels& levels) { options.levels = levels.levels; }
 template <class Other>
-void take(MatchOptions&, const Other&) {
+void set_option(MatchOptions&, const Other&) {
   static_assert(
       sizeof(Other) == 0,
       "EXPECT_MATCHES_GOLDEN takes Exact, Near, Until or Levels after the recording. The test names the golden: "
@@ -187,7 +187,7 @@ template <class... Overrides>
 GoldenQuestion golden_question(const Trace& trace, const Overrides&... overrides) {
   GoldenQuestion question{trace, {}};
   question.options.source = current_source();
-  (take(question.options, overrides), ...);
+  (set_option(question.options, overrides), ...);
   return question;
 }
 

@@ -111,7 +111,7 @@ rlim_t file_limit() {
 bool is_error_line(std::string_view line) {
   const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
   const auto ends_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_'; };
-  const auto begin = std::ranges::find_if(line, is_letter), end = std::find_if(begin, line.end(), ends_word);
+  const auto begin = std::ranges::find_if(line, is_letter), end = std::ranges::find_if(begin, line.end(), ends_word);
   std::string word(begin, end);
   for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return word == "error";

@@ -222,7 +222,7 @@ Result<ImportedProject> import_projects(const std::vector<std::filesystem::path>
   }
   const std::size_t world = find_world(files, options.simulator);
   const auto last =
-      std::find_if(files.rbegin(), files.rend(), [](const auto& each) { return each.file->has_time_bar; });
+      std::ranges::find_if(files.rbegin(), files.rend(), [](const auto& each) { return each.file->has_time_bar; });
   if (last != files.rend() && last->file != files[world].file) files[world].file->take_time_bar(*last->file);
   auto imported = REHEARSE_TRY(import::ProjectReader(*files[world].file, files[world].path, options).read());
   for (std::size_t i = 0; i < files.size(); ++i)

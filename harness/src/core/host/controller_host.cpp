@@ -348,7 +348,7 @@ void ControllerHost::apply(std::size_t index, Timing timing, Command& command) {
   for (const IoField& field : hosted.io->outputs().fields) {
     const double* value = values.data() + field.offset;
     const double* end = value + width_of(field.quantity);
-    const double* odd = std::find_if(value, end, [](double number) { return !std::isfinite(number); });
+    const double* odd = std::ranges::find_if(value, end, [](double number) { return !std::isfinite(number); });
     if (odd != end) {
       if (!hosted.reported.odd_outputs[field.offset])
         event(Severity::error, hosted.label,

@@ -187,7 +187,8 @@ void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWr
   std::vector<IndexEntry> entries = chunk.index;
   std::ranges::stable_sort(entries, [](const IndexEntry& a, const IndexEntry& b) { return a.channel < b.channel; });
   for (auto first = entries.begin(); first != entries.end();) {
-    const auto last = std::find_if(first, entries.end(), [&](const auto& e) { return e.channel != first->channel; });
+    const auto last =
+        std::ranges::find_if(first, entries.end(), [&](const auto& e) { return e.channel != first->channel; });
     places.put(first->channel);
     places.put(static_cast<std::uint64_t>(offset_ + out.size()));
     out.begin_record(op::message_index);

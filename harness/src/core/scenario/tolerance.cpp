@@ -16,8 +16,8 @@ Tolerance default_tolerance(std::string_view unit) {
 }
 
 const ToleranceRule* rule_for(std::string_view series, const std::vector<ToleranceRule>& rules) {
-  const auto rule = std::find_if(rules.rbegin(), rules.rend(),
-                                 [&](const ToleranceRule& one) { return matches(one.channel, series); });
+  const auto rule = std::ranges::find_if(rules.rbegin(), rules.rend(),
+                                         [&](const ToleranceRule& one) { return matches(one.channel, series); });
   return rule == rules.rend() ? nullptr : &*rule;
 }
 

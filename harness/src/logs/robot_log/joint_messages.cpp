@@ -67,8 +67,8 @@ Result<void> convert(const Trajectory& message, JointRole, msg::JointState& stat
 
 Result<void> convert(const ControllerState& message, JointRole role, msg::JointState& state) {
   const auto first = [](std::initializer_list<const TrajectoryPoint*> points) {
-    return **std::find_if(points.begin(), points.end() - 1,
-                          [](const TrajectoryPoint* point) { return !point->empty(); });
+    return **std::ranges::find_if(points.begin(), points.end() - 1,
+                                  [](const TrajectoryPoint* point) { return !point->empty(); });
   };
   convert(message.joint_names,
           role == JointRole::measured ? first({&message.feedback, &message.actual})

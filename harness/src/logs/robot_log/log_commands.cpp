@@ -129,8 +129,8 @@ std::vector<LogCommands::Commanded> LogCommands::commanded_by(const HostedContro
 /// The rule of a number: that of the map, with the default where it states no absolute tolerance.
 ToleranceRule LogCommands::rule_of(const Commanded& number) const {
   const std::string series = series_name(number.topic, number.element);
-  const auto stated = std::find_if(map_rules_.rbegin(), map_rules_.rend(),
-                                   [&](const ToleranceRule& rule) { return matches(rule.channel, series); });
+  const auto stated = std::ranges::find_if(map_rules_.rbegin(), map_rules_.rend(),
+                                           [&](const ToleranceRule& rule) { return matches(rule.channel, series); });
   ToleranceRule rule = stated == map_rules_.rend() ? ToleranceRule() : *stated;
   rule.channel = series;
   if (!rule.atol) rule.atol = facts_.ranges.tolerance(number.field.joint, number.part, number.unit);

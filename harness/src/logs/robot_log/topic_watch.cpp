@@ -55,7 +55,7 @@ bool TopicWatch::came(std::int64_t time) {
 void TopicWatch::reject(std::int64_t time) {
   ++counts_.unreadable;
   const auto is_it = [time](const Waiting& waiting) { return waiting.time == time; };
-  const auto found = std::find_if(waiting_.rbegin(), waiting_.rend(), is_it);
+  const auto found = std::ranges::find_if(waiting_.rbegin(), waiting_.rend(), is_it);
   if (found != waiting_.rend()) waiting_.erase(std::next(found).base());
 }
 

@@ -471,7 +471,7 @@ Result<ReportSummary> write_report(const fs::path& trace, const std::optional<fs
   if (golden) sources.push_back(*golden);
   sources.push_back(page);
   const auto open = [&] { return ReportFile::begin(report, page, sources); };
-  if (auto file = open(); !file) return file.errors();  // before the work
+  REHEARSE_TRY(open());  // before the work
   const auto actual_file = REHEARSE_TRY(SourceFile::make(trace, report.string() + ".actual.part", options));
   auto actual = REHEARSE_TRY(read_run(actual_file, trace));
   std::optional<Result<SourceFile>> golden_file;
