@@ -79,7 +79,7 @@
   };
 
   document.addEventListener('DOMContentLoaded', () => {
-    const dialog = document.querySelector('dialog');
+    const dialog = document.querySelector('dialog.help');
     const actions = {
       t: toggle_theme,
       '?': () => dialog.showModal(),

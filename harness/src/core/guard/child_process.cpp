@@ -19,6 +19,7 @@
 #include <sstream>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include "interruption.h"
 #include "result_stream.h"
@@ -88,6 +89,8 @@ Result<pid_t> start(const ChildProcess& process) {
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output, O_WRONLY | O_CREAT | O_TRUNC, 0666);
   if (process.errors == Errors::with_output) posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  if (process.errors == Errors::apart)
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, process.errors_file.c_str(), O_WRONLY, 0);
   if (process.errors == Errors::discarded)
     posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   if (!process.folder.empty()) posix_spawn_file_actions_addchdir_np(&files, process.folder.c_str());
@@ -100,38 +103,97 @@ Result<pid_t> start(const ChildProcess& process) {
   return child;
 }
 
+/// The exit status of an ended process: 128 + n if signal n ended it. None: it runs. Fails if it was lost.
+static Result<std::optional<int>> status_of(pid_t process) {
+  int status = 0;
+  const pid_t ended = waitpid(process, &status, WNOHANG);
+  if (ended < 0 && errno != EINTR) return error(fmt::format("process {} was lost: {}", process, strerror(errno)));
+  if (ended <= 0) return std::optional<int>();
+  return std::optional(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status));
+}
+
 Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>& should_stop) {
   const auto child = REHEARSE_TRY(start(process));
-  int status = 0;
-  for (pid_t ended = 0; ended == 0; std::this_thread::sleep_for(look_interval)) {
-    ended = waitpid(child, &status, WNOHANG);
-    if (ended < 0 && errno == EINTR) ended = 0;
-    if (ended < 0) return error(fmt::format("{} was lost: {}", process.words[0], strerror(errno)));
-    if (ended != 0 || !should_stop || !should_stop()) continue;
+  for (;; std::this_thread::sleep_for(look_interval)) {
+    if (const auto status = REHEARSE_TRY(status_of(child))) return *status;
+    if (!should_stop || !should_stop()) continue;
     ::kill(child, SIGKILL);
-    waitpid(child, &status, 0);
+    waitpid(child, nullptr, 0);
     return error(fmt::format("{} was stopped", process.words[0]));
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+RunningProgram::RunningProgram(pid_t process, File output, File errors)
+    : process_(process), output_(std::move(output)), errors_(std::move(errors)) {}
+
+RunningProgram::RunningProgram(RunningProgram&& other) noexcept
+    : process_(std::exchange(other.process_, 0)),
+      status_(other.status_),
+      output_(std::move(other.output_)),
+      errors_(std::move(other.errors_)) {}
+
+RunningProgram& RunningProgram::operator=(RunningProgram&& other) noexcept {
+  std::swap(process_, other.process_);
+  std::swap(status_, other.status_);
+  std::swap(output_, other.output_);
+  std::swap(errors_, other.errors_);
+  return *this;
+}
+
+RunningProgram::~RunningProgram() {
+  if (process_ == 0 || status_) return;
+  ::kill(process_, SIGKILL);
+  waitpid(process_, nullptr, 0);
+}
+
+Result<RunningProgram::File> RunningProgram::temporary_file() {
+  File file(std::tmpfile(), std::fclose);
+  if (!file) return error(fmt::format("there is no room for temporary files: {}", strerror(errno)));
+  return file;
+}
+
+std::string RunningProgram::text_of(std::FILE* file) {
+  std::string text;
+  char piece[4096];
+  for (ssize_t size; (size = ::pread(fileno(file), piece, sizeof piece, static_cast<off_t>(text.size()))) > 0;)
+    text.append(piece, static_cast<std::size_t>(size));
+  return text;
+}
+
+Result<RunningProgram> RunningProgram::start(ChildProcess process) {
+  File output = REHEARSE_TRY(temporary_file());
+  File errors(nullptr, std::fclose);
+  process.output = fmt::format("/proc/self/fd/{}", fileno(output.get()));  // the child's own copy of it
+  if (process.errors == ChildProcess::Errors::apart) {
+    errors = REHEARSE_TRY(temporary_file());
+    process.errors_file = fmt::format("/proc/self/fd/{}", fileno(errors.get()));
+  }
+  const pid_t child = REHEARSE_TRY(rehearse::start(process));
+  return RunningProgram(child, std::move(output), std::move(errors));
+}
+
+Result<std::optional<int>> RunningProgram::ended() {
+  if (!status_) status_ = REHEARSE_TRY(status_of(process_));
+  return status_;
+}
+
+void RunningProgram::signal(int number) const {
+  if (!status_) ::kill(process_, number);
 }
 
 Result<ProgramOutput> output_of(ChildProcess process, double limit) {
   using Clock = std::chrono::steady_clock;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
-  if (!file) return error(fmt::format("there is no room for temporary files: {}", strerror(errno)));
-  process.output = fmt::format("/proc/self/fd/{}", fileno(file.get()));  // the child's own copy of it
-  const auto begin = Clock::now();
-  bool was_stopped = false;
-  const auto ended = run_to_end(process, [&] {
+  auto program = REHEARSE_TRY(RunningProgram::start(std::move(process)));
+  const auto is_late = [begin = Clock::now(), limit] {
     const std::chrono::duration<double> passed = Clock::now() - begin;
-    return was_stopped = passed.count() > limit || interruption() != 0;
-  });
-  if (!ended && !was_stopped) return ended.errors();
+    return passed.count() > limit || interruption() != 0;
+  };
   ProgramOutput output;
-  if (ended) output.status = *ended;
-  std::rewind(file.get());
-  char piece[4096];
-  for (std::size_t size; (size = std::fread(piece, 1, sizeof piece, file.get())) > 0;) output.text.append(piece, size);
+  do {
+    output.status = REHEARSE_TRY(program.ended());
+    if (!output.status) std::this_thread::sleep_for(look_interval);
+  } while (!output.status && !is_late());
+  output.text = program.output();
   return output;
 }
 

@@ -4,10 +4,12 @@
 #include <rehearse/diagnostic.h>
 #include <sys/types.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,10 +50,12 @@ struct ChildProcess {
   enum class Errors {
     with_output,
     discarded,
-    shown
-  } errors = Errors::with_output;     // its stderr; shown: this process's
-  std::filesystem::path folder = {};  // working folder; empty: that of this process
-  bool fixed_addresses = false;       // without random addresses
+    shown,
+    apart
+  } errors = Errors::with_output;          // its stderr; shown: this process's; apart: of a RunningProgram alone
+  std::filesystem::path errors_file = {};  // of stderr, if it is kept apart; a RunningProgram sets it
+  std::filesystem::path folder = {};       // working folder; empty: that of this process
+  bool fixed_addresses = false;            // without random addresses
 };
 
 /// The process's number. Fails if the program can't be started.
@@ -60,6 +64,35 @@ Result<pid_t> start(const ChildProcess& process);
 /// Starts a program and waits for its end. Returns its exit status, 128 + n if signal n ended it. Fails if it can't be
 /// started, or if `should_stop` (may be null) returned true and the program was killed.
 Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>& should_stop = nullptr);
+
+/// A program that runs beside this process, with its output. It is killed when this object is destroyed.
+class RunningProgram {
+ public:
+  /// The member `output` is not used. Fails if the program can't be started.
+  static Result<RunningProgram> start(ChildProcess process);
+  ~RunningProgram();
+  RunningProgram(RunningProgram&& other) noexcept;
+  RunningProgram& operator=(RunningProgram&& other) noexcept;
+
+  /// Its exit status, as of run_to_end(). None: it runs. Fails if the process was lost.
+  Result<std::optional<int>> ended();
+  /// Sends it a signal, unless it has ended.
+  void signal(int number) const;
+  /// Its stdout so far, and its stderr if the process asks for it there.
+  std::string output() const { return text_of(output_.get()); }
+  /// Its stderr so far; empty unless it is kept apart.
+  std::string errors() const { return errors_ ? text_of(errors_.get()) : std::string(); }
+
+ private:
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  RunningProgram(pid_t process, File output, File errors);
+  static Result<File> temporary_file();
+  static std::string text_of(std::FILE* file);
+
+  pid_t process_;              // 0: it was moved from
+  std::optional<int> status_;  // none: it runs
+  File output_, errors_;
+};
 
 struct ProgramOutput {
   std::optional<int> status;  // as of run_to_end; none: it was stopped

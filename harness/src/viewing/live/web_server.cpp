@@ -35,6 +35,7 @@ using Error = boost::system::error_code;
 using Socket = asio::basic_stream_socket<Tcp, asio::io_context::executor_type>;
 using Stream = beast::basic_stream<Tcp, asio::io_context::executor_type>;
 using Head = http::request<http::empty_body>;
+using BodyParser = http::request_parser<http::string_body>;
 
 std::string_view view(boost::beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -65,6 +66,21 @@ std::string_view token_of(std::string_view target) {
   }
   return {};
 }
+
+/// The token of a request by HTTP; empty: it has none.
+std::string_view bearer_of(const Head& head) {
+  constexpr std::string_view scheme = "Bearer ";
+  const std::string_view field = view(head[http::field::authorization]);
+  return field.starts_with(scheme) ? field.substr(scheme.size()) : std::string_view();
+}
+
+std::string_view path_of(std::string_view target) { return target.substr(0, target.find('?')); }
+
+/// The page may run its own script, show pictures and frames that it has made, and connect to its server alone.
+constexpr const char* page_policy =
+    "default-src 'none'; script-src 'unsafe-inline' blob: data:; style-src 'unsafe-inline'; img-src data: blob:; "
+    "font-src data:; connect-src 'self' data: blob:; frame-src blob:; worker-src blob: data:; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'";
 
 /// The host of an origin as https://HOST:PORT, without its port; empty: it is no such origin.
 std::string_view host_of_origin(std::string_view origin) {
@@ -141,6 +157,10 @@ struct WebServer::Impl {
 
   void accept();
   std::optional<Refusal> refusal(const Head& head) const;
+  std::optional<Refusal> refusal_of_stranger(const Head& head) const;
+  std::optional<Refusal> refusal_of_request(const Head& head) const;
+  /// True if the address / is asked for, which needs no token.
+  bool asks_for_page(const Head& head) const;
   /// The best subprotocol that the client offers; empty: none.
   std::string protocol_for(const Head& head) const;
 };
@@ -196,6 +216,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
     }
     const Head& head = head_.get();
     if (auto refused = server_.refusal(head)) return refuse(*std::move(refused));
+    if (!websocket::is_upgrade(head)) return take_request();
     if (buffer_.size() > 0) return refuse({http::status::bad_request, "bytes follow it before its answer"});
     tcp().expires_never();
     websocket::stream_base::timeout limits{};
@@ -213,16 +234,43 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
     stream_.async_accept(head, [self = shared_from_this()](Error problem) { self->accepted(problem); });
   }
 
+  /// Reads the body of a request, which follows its head.
+  void take_request() {
+    request_.emplace(std::move(head_));
+    request_->body_limit(server_.options.longest_request);
+    http::async_read(stream_.next_layer(), buffer_, *request_,
+                     [self = shared_from_this()](Error failed, std::size_t) { self->took_request(failed); });
+  }
+
+  void took_request(Error failed) {
+    if (failed == http::error::body_limit) return refuse({http::status::payload_too_large, "its content is too long"});
+    if (failed) return drop();
+    const auto& message = request_->get();
+    const std::string_view path = path_of(view(message.target()));
+    if (server_.asks_for_page(Head(message.base())))
+      return answer({200, "text/html; charset=utf-8", server_.options.page});
+    const bool is_post = message.method() == http::verb::post;
+    if (auto answered = server_.handler.asked({is_post, path, message.body()})) return answer(*std::move(answered));
+    refuse({http::status::not_found, "there is no such page"});
+  }
+
   void refuse(Refusal refusal) {
     server_.handler.refused(refusal.reason);
+    if (refusal.status == http::status::upgrade_required) answer_.set(http::field::upgrade, "websocket");
+    answer({static_cast<unsigned>(refusal.status), "text/plain; charset=utf-8", "refused: " + refusal.reason + "\n"});
+  }
+
+  void answer(Answer answer) {
     answer_.version(11);
-    answer_.result(refusal.status);
+    answer_.result(answer.status);
     answer_.keep_alive(false);
     answer_.set(http::field::server, "rehearse");
-    answer_.set(http::field::content_type, "text/plain; charset=utf-8");
+    answer_.set(http::field::content_type, answer.type);
+    answer_.set(http::field::cache_control, "no-store");
     answer_.set("X-Content-Type-Options", "nosniff");
-    if (refusal.status == http::status::upgrade_required) answer_.set(http::field::upgrade, "websocket");
-    answer_.body() = "refused: " + refusal.reason + "\n";
+    answer_.set("Referrer-Policy", "no-referrer");
+    answer_.set("Content-Security-Policy", page_policy);
+    answer_.body() = std::move(answer.body);
     answer_.prepare_payload();
     tcp().expires_after(server_.options.handshake_limit);
     http::async_write(stream_.next_layer(), answer_, [self = shared_from_this()](Error, std::size_t) { self->drop(); });
@@ -283,6 +331,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   websocket::stream<Stream> stream_;
   beast::flat_buffer buffer_;
   http::request_parser<http::empty_body> head_;
+  std::optional<BodyParser> request_;
   http::response<http::string_body> answer_;
   std::string protocol_;
   std::deque<Frame> queue_;  // the first is being written
@@ -321,7 +370,7 @@ std::string WebServer::Impl::protocol_for(const Head& head) const {
   return "";
 }
 
-std::optional<Refusal> WebServer::Impl::refusal(const Head& head) const {
+std::optional<Refusal> WebServer::Impl::refusal_of_stranger(const Head& head) const {
   using http::status;
   if (count_of(head, http::field::host) != 1) return Refusal{status::bad_request, "it doesn't have one Host"};
   const std::string_view host = view(head[http::field::host]);
@@ -330,13 +379,34 @@ std::optional<Refusal> WebServer::Impl::refusal(const Head& head) const {
     return Refusal{status::forbidden, "its Host is not this server"};
   if (count_of(head, http::field::origin) > 1) return Refusal{status::bad_request, "it has several Origins"};
   const std::string_view origin = view(head[http::field::origin]);
-  if (!origin.empty() && !is_this_machine(host_of_origin(origin)) && std::ranges::count(options.origins, origin) == 0)
-    return Refusal{status::forbidden, fmt::format("pages of {} may not connect", printable(origin))};
+  if (origin.empty() || std::ranges::count(options.origins, origin) > 0) return std::nullopt;
+  const bool may_connect =
+      options.page.empty() ? is_this_machine(host_of_origin(origin)) : origin == fmt::format("http://{}", host);
+  if (may_connect) return std::nullopt;
+  return Refusal{status::forbidden, fmt::format("pages of {} may not connect", printable(origin))};
+}
+
+std::optional<Refusal> WebServer::Impl::refusal_of_request(const Head& head) const {
+  using http::status;
+  if (asks_for_page(head)) return std::nullopt;
+  if (!is_equal_secret(bearer_of(head), options.token)) return Refusal{status::forbidden, "it lacks the token"};
+  if (head.method() != http::verb::get && head.method() != http::verb::post)
+    return Refusal{status::method_not_allowed, "it is neither GET nor POST"};
+  return std::nullopt;
+}
+
+bool WebServer::Impl::asks_for_page(const Head& head) const {
+  return !options.page.empty() && head.method() == http::verb::get && path_of(view(head.target())) == "/";
+}
+
+std::optional<Refusal> WebServer::Impl::refusal(const Head& head) const {
+  using http::status;
+  if (auto stranger = refusal_of_stranger(head)) return stranger;
+  if (!options.page.empty() && !websocket::is_upgrade(head)) return refusal_of_request(head);
   if (!options.token.empty() && !is_equal_secret(token_of(view(head.target())), options.token))
     return Refusal{status::forbidden, "its address lacks the token"};
   if (head.method() != http::verb::get) return Refusal{status::method_not_allowed, "it is no GET"};
-  const std::string_view target = view(head.target());
-  if (target.substr(0, target.find('?')) != "/") return Refusal{status::not_found, "there is no such page"};
+  if (path_of(view(head.target())) != "/") return Refusal{status::not_found, "there is no such page"};
   if (head.find(http::field::content_length) != head.end() || head.find(http::field::transfer_encoding) != head.end())
     return Refusal{status::bad_request, "a GET has no content"};
   if (!websocket::is_upgrade(head)) return Refusal{status::upgrade_required, "a viewer connects by WebSocket"};
@@ -351,6 +421,7 @@ WebServer::WebServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 WebServer::~WebServer() { stop(); }
 
 Result<std::unique_ptr<WebServer>> WebServer::listen(Options options, Handler& handler) {
+  REHEARSE_ASSERT(options.page.empty() || !options.token.empty(), "who may ask for a page's data is known by a token");
   const std::uint16_t port = options.port;
   auto impl = std::make_unique<Impl>(std::move(options), handler);
   const Tcp::endpoint place(asio::ip::address_v4::loopback(), port);

@@ -1,7 +1,9 @@
-// WebServer: HTTP and WebSocket for viewers on this machine, in one thread. Internal.
+// WebServer: HTTP and WebSocket for viewers and one page on this machine, in one thread. Internal.
 //
 // It listens on the loopback interface alone. A handshake must have the token in its address, a Host that names this
 // server, and no Origin of a stranger's page; so neither another user of the machine nor a page in a browser gets in.
+// A request by HTTP has the token in its head, `Authorization: Bearer TOKEN`, where no other page can put it. Only the
+// page itself needs no token: it has no content but the program's.
 // Each client has a bounded queue: what doesn't fit is lost for this client, and no client delays another.
 #pragma once
 
@@ -11,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +33,7 @@ class WebServer {
     std::string token;                   // empty: none is demanded
     std::vector<std::string> protocols;  // subprotocols of WebSocket, the best first
     std::vector<std::string> origins;    // of pages that may connect, besides pages of this machine
+    std::string page;                    // HTML of the address /; only this page may connect then. Empty: there is none
     std::size_t most_clients = 16;
     std::size_t most_waiting = std::size_t{16} << 20;    // of a client's queue [bytes]
     std::size_t longest_request = std::size_t{1} << 16;  // a longer message ends its client [bytes]
@@ -37,9 +41,23 @@ class WebServer {
     std::chrono::milliseconds silence_limit{60000};      // a client that answers no ping so long is dropped
   };
 
+  /// A request by HTTP, with the token.
+  struct Request {
+    bool is_post = false;   // or else a GET
+    std::string_view path;  // as /accept, without a query
+    std::string_view body;  // of a POST
+  };
+  struct Answer {
+    unsigned status = 200;
+    std::string type = "application/json";
+    std::string body = "{}";
+  };
+
   class Handler {
    public:
     virtual ~Handler() = default;
+    /// None: there is no such page. Called only if there are `Options::page`.
+    virtual std::optional<Answer> asked(const Request& /*request*/) { return std::nullopt; }
     virtual void opened(Client client, std::string_view protocol) = 0;
     virtual void took_text(Client client, std::string_view text) = 0;
     virtual void took_bytes(Client client, std::span<const std::byte> bytes) = 0;
