@@ -91,8 +91,8 @@ Device* Body::device(int index) const {
 }
 
 Device* Body::findDevice(const std::string& name) const {
-  const auto found = std::ranges::find_if(devices_.rbegin(), devices_.rend(),
-                                          [&name](const DevicePtr& device) { return device->name() == name; });
+  const auto found = std::find_if(devices_.rbegin(), devices_.rend(),
+                                  [&name](const DevicePtr& device) { return device->name() == name; });
   return found == devices_.rend() || name.empty() ? nullptr : found->get();
 }
 

@@ -139,7 +139,8 @@ void JointPath::addJoint(Link* link) {
 }
 
 int JointPath::indexOf(const Link* link) const {
-  const auto place = std::ranges::find_if(joints_, [link](const LinkPtr& joint) { return joint == link; });
+  const auto place =
+      std::find_if(joints_.begin(), joints_.end(), [link](const LinkPtr& joint) { return joint == link; });
   return place == joints_.end() ? -1 : static_cast<int>(place - joints_.begin());
 }
 
