@@ -28,7 +28,7 @@ cd "$source"
 "$rehearse" record fixtures/scenarios/sr1_minimum.yaml --duration 0.5 -o "$folder/core.mcap"
 "$rehearse" replay "$folder/core.mcap"
 "$rehearse" info "$folder/core.mcap" | grep -q JointState || fail "info shows no joints"
-for verb in map export step report serve sweep audit import fuzz fit; do
+for verb in map export step report serve ui sweep audit import fuzz fit; do
   "$rehearse" --help | grep -q "^  $verb " && fail "the core's --help lists $verb"
   status=0
   output=$("$rehearse" $verb 2>&1) || status=$?
