@@ -15,7 +15,7 @@ const { REHEARSE_COMMAND, BUILD, KEPT } = process.env;
 process.env.SCREENSHOTS = KEPT;
 const scratch = mkdtempSync(join(tmpdir(), 'rehearse_ui_'));
 const project = join(scratch, 'robot');
-const source = join(project, 'controllers/hold.c');
+const source = join(project, 'hold.c');
 const environment = { ...process.env, HOME: scratch };
 for (const name of Object.keys(environment)) if (name === 'CI' || name === 'XDG_CONFIG_HOME' || name.startsWith('REHEARSE_')) delete environment[name];
 const patience = 120_000; // [ms]
@@ -254,7 +254,7 @@ test('a file outside the project isn’t opened, and the editor gets file and li
     );
   assert.equal(await ask('../opened'), 409);
   assert.equal(await ask('/etc/passwd'), 409);
-  assert.equal(await ask('controllers'), 409);
+  assert.equal(await ask('scenarios'), 409);
   const end = performance.now() + patience;
   while (!existsSync(told) && performance.now() < end) await new Promise((later) => setTimeout(later, 20));
   assert.match(readFileSync(told, 'utf8'), new RegExp(`^--goto ${project}/scenarios/\\S+\\.yaml:\\d+\\n$`));

@@ -31,6 +31,7 @@
 #include "core/host/virtualised.h"
 #include "core/scenario/project.h"
 #include "debugger.h"
+#include "explanation.h"
 #include "golden_conflicts.h"
 #include "golden_verbs.h"
 #include "line_advice.h"
@@ -66,6 +67,7 @@ struct CheckSettings {
   fs::path pending;                // where runs wait: in the project of the first scenario
   bool simulate = false;           // nothing is proved
   bool strict = false;             // goldens without an owner fail, too
+  bool explain = false;            // also find the places that explain a failure
   bool verbose = false;            // the first differences are also printed in full
   std::optional<double> deadline;  // of control() [s]; none: any time is right
   std::int64_t jobs = 0;           // scenarios at a time; 0: as many as there are processors
@@ -213,7 +215,11 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
     checked.report.verdict.lead(VerdictCode::undecided_nothing_compared, "nothing was compared");
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
-  checked.line_advice = line_advice(scenario, checked.report, golden_of(settings, scenario), settings.check.run);
+  const fs::path golden = golden_of(settings, scenario);
+  if (settings.explain && exit_of(checked.report) != Exit::done)
+    checked.explanation = explain(scenario, checked.report, golden, settings.check.run);
+  else
+    checked.line_advice = line_advice(scenario, checked.report, golden, settings.check.run);
   add_page(settings, scenario, waiting.folder() / (name + ".mcap"), checked);
   const auto told = REHEARSE_TRY(waiting.publish(checked.report.message));
   if (!told.empty()) checked.report.remarks.push_back(told);
@@ -385,7 +391,8 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
   if (alone) {
     auto scenario = read_scenario(files->front(), settings.values);
     if (!scenario) return refuse(scenario.errors());
-    if (!settings.flight.empty()) return check_with_flight(*scenario, settings.flight, settings.check.run, settings.json);
+    if (!settings.flight.empty())
+      return check_with_flight(*scenario, settings.flight, settings.check.run, settings.json);
     if (settings.scenarios.empty() && !can_be_checked(*scenario)) return refuse(nothing_to_check());
     if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
     only = *std::move(scenario);
@@ -478,6 +485,10 @@ std::function<Exit()> declare_check(CLI::App& options) {
                 "instead: list the lines of the controllers that no golden executes, as audit --coverage does")
       ->excludes(options.get_option("--instructions"));
   add_coverage_files(options, settings->coverage_files);
+  options.add_flag("--explain", settings->explain,
+                   "also find where to look after a failure: the changed key, the line of the controller that differs "
+                   "from the golden's commit or writes the first differing command (by gdb), the violated expectation; "
+                   "and name the next commands");
   options.add_flag("-v,--verbose", settings->verbose,
                    "also print the first differences in full, with relative errors and ULPs, and the times of "
                    "control()");

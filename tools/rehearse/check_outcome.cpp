@@ -43,6 +43,7 @@ Json json_of_check(const Checked& checked) {
   for (const std::string& note : checked.notes) object["remarks"].push_back(note);
   object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
   object["control_times"] = json_of(control_times_of(checked.report));
+  object["explanation"] = checked.explanation ? json_of(*checked.explanation) : Json();
   return object;
 }
 
@@ -235,6 +236,7 @@ void tell_files(const Checked& checked, bool verbose) {
   if (!is_short)
     for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", is_short ? last_line_of(report.message) : report.message);
+  if (checked.explanation) tell(*checked.explanation);
   if (!checked.line_advice.empty()) fmt::print("which line: {}\n", checked.line_advice);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
   if (checked.page && !is_ci())

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "command.h"
+#include "explanation.h"
 #include "output.h"
 #include "scenario_words.h"
 
@@ -29,8 +30,9 @@ struct Checked {
   std::vector<std::string> notes;     // on libraries that are out of date; they were printed before the run
   std::optional<FailureReport> page;  // the report for a browser
   std::string line_advice;            // a command that finds the line at fault; empty: none is known
-  std::string no_page;                // the reason why there is no report although one was requested
-  double seconds = 0.0;               // wall time of the check, without its report [s]
+  std::optional<Explanation> explanation = std::nullopt;  // of --explain
+  std::string no_page;   // the reason why there is no report although one was requested
+  double seconds = 0.0;  // wall time of the check, without its report [s]
 };
 
 Exit exit_of(const CheckReport& report);

@@ -33,6 +33,8 @@ struct Topic {
   std::string_view summary;
 };
 
+constexpr std::string_view scripts_topic = "scripts";
+
 constexpr Topic topics[] = {
     {"start", "learn/first_golden", "the way from nothing to a first verdict"},
     {"command", "reference/verbs", "the verbs, beside their options, and projects"},
@@ -68,6 +70,7 @@ constexpr Topic topics[] = {
     {"physics", "concepts/physics", "links, drives, joints and the solver"},
     {"contacts", "concepts/contacts", "contacts and friction"},
     {"sensors", "concepts/sensors", "the formulas of sensors"},
+    {scripts_topic, "howto/scripts", "for scripts and language models: record, check, explain, fix"},
     {"red", "howto/red_test", "from a red test to the line at fault"},
     {"step", "howto/red_test", "a run tick by tick; a part of the same page"},
     {"gdb", "howto/red_test", "a controller in gdb, forwards and backwards; a part of the same page"},
@@ -146,20 +149,33 @@ bool in_pager(const std::string& text) {
   return pclose(to) != no_such_program;
 }
 
+/// The text of a topic's page.
+Result<std::string> text_of(const Topic& topic) {
+  const fs::path page = manual() / (std::string(topic.page) + ".md");
+  std::ifstream stream(page, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (stream && !text.str().empty()) return with_tables(text.str());
+  return error(fmt::format("can't read {}", page.string()), "the manual is installed with the command");
+}
+
 Exit show(const std::string& name, bool as_text) {
   const auto topic = std::ranges::find_if(topics, [&](const Topic& t) { return t.name == name; });
   if (topic == std::end(topics))
     return refuse(error(fmt::format("there is no topic '{}'", name), "rehearse doc lists the topics"));
   if (const fs::path pages = site(); !as_text && is_terminal(stdout) && !pages.empty())
     open_in_browser(pages / (std::string(topic->page) + ".html"));
-  const fs::path page = manual() / (std::string(topic->page) + ".md");
-  std::ifstream stream(page, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream || text.str().empty())
-    return refuse(error(fmt::format("can't read {}", page.string()), "the manual is installed with the command"));
-  const std::string page_text = with_tables(text.str());
-  if (!is_terminal(stdout) || !in_pager(page_text)) fmt::print("{}", page_text);
+  const auto text = text_of(*topic);
+  if (!text) return refuse(text.errors());
+  if (!is_terminal(stdout) || !in_pager(*text)) fmt::print("{}", *text);
+  return Exit::done;
+}
+
+/// Prints the page for scripts as it is.
+Exit print_for_scripts() {
+  const auto text = text_of(*std::ranges::find(topics, scripts_topic, &Topic::name));
+  if (!text) return refuse(text.errors());
+  fmt::print("{}", *text);
   return Exit::done;
 }
 
@@ -191,7 +207,7 @@ Exit write_schemas(const fs::path& folder) {
 
 struct DocSettings {
   std::string topic, schema, schemas, keys;
-  bool as_text = false;
+  bool as_text = false, for_scripts = false;
 };
 
 std::function<Exit()> declare_doc(CLI::App& options) {
@@ -199,6 +215,10 @@ std::function<Exit()> declare_doc(CLI::App& options) {
   CLI::Option* topic =
       options.add_option("TOPIC", settings->topic, "the page to show; without one, topics are listed")->type_name("");
   options.add_flag("--text", settings->as_text, "as text, at the terminal, also if a browser can show the page");
+  options
+      .add_flag("--llms", settings->for_scripts,
+                "print what scripts and language models have to know, in two screens; llms.txt of the site")
+      ->excludes(topic);
   options
       .add_option("--schema", settings->schema,
                   "print the JSON Schema of a file (scenario, map) or of a verb's --json (check, golden-list)")
@@ -213,6 +233,7 @@ std::function<Exit()> declare_doc(CLI::App& options) {
       ->type_name("DIR")
       ->excludes(topic);
   return [settings] {
+    if (settings->for_scripts) return print_for_scripts();
     if (!settings->schema.empty()) return print_schema(settings->schema);
     if (!settings->keys.empty()) return print_keys(settings->keys);
     if (!settings->schemas.empty()) return write_schemas(settings->schemas);

@@ -36,6 +36,13 @@ const Form& comparisons_form() {
   return form;
 }
 
+const Form& explanation_form() {
+  static const Form form{"explanation",
+                         "of --explain: where to look, the likeliest cause first, and the next commands",
+                         {member("places", findings_type()), member("next", types::array(types::string()))}};
+  return form;
+}
+
 const Form& checked_form() {
   static const Form form{"checked",
                          "a checked scenario",
@@ -58,7 +65,8 @@ const Form& checked_form() {
                           member("file", types::string()),
                           member("message", types::string()),
                           member("report", types::nullable(types::string())),
-                          member("control_times", control_times_type())}};
+                          member("control_times", control_times_type()),
+                          member("explanation", types::nullable(types::of(explanation_form)))}};
   return form;
 }
 

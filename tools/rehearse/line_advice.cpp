@@ -1,6 +1,7 @@
 #include "line_advice.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/golden.h>
 
 #include <algorithm>
@@ -59,18 +60,32 @@ bool is_of_cpp(const NamedController& controller, const Scenario& scenario, cons
 
 }  // namespace
 
-std::string line_advice(const Scenario& scenario, const CheckReport& report, const fs::path& golden,
-                        const HostOptions& host) {
-  if (is_ci()) return {};  // a clone there may have one commit
+std::string words_of_libraries(const HostOptions& host) {
+  std::string words;
+  for (const auto& [name, library] : host.libraries) words += fmt::format(" --controller {}={}", name, library);
+  return words;
+}
+
+std::string line_of(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
+
+std::vector<std::string> words_beside(const Scenario& scenario, const CheckReport& report, const fs::path& golden,
+                                      const HostOptions& host) {
   if (report.controller != LevelState::differs || !report.first || report.failed()) return {};
   const auto controller = controller_with(report.first->channel, scenario);
   if (!controller || !is_of_cpp(*controller, scenario, host) || find_program("gdb").empty()) return {};
   const std::string commit = commit_of(golden);
   if (commit.empty()) return {};
-  std::string command = fmt::format("rehearse replay {}", golden.string());
-  for (const auto& [name, library] : host.libraries) command += fmt::format(" --controller {}={}", name, library);
+  std::vector<std::string> words{"rehearse", "replay", golden.string()};
+  for (const auto& [name, library] : host.libraries)
+    words.insert(words.end(), {"--controller", fmt::format("{}={}", name, library)});
   const std::string old = controllers_of(scenario).size() > 1 ? controller->label + "=" : "";
-  return fmt::format("{} --beside {}{}", command, old, commit);
+  words.insert(words.end(), {"--beside", old + commit});
+  return words;
+}
+
+std::string line_advice(const Scenario& scenario, const CheckReport& report, const fs::path& golden,
+                        const HostOptions& host) {
+  return is_ci() ? "" : line_of(words_beside(scenario, report, golden, host));  // a clone there may have one commit
 }
 
 }  // namespace rehearse::tool

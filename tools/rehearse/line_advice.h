@@ -7,12 +7,23 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace rehearse::tool {
 
-/// "rehearse replay GOLDEN --beside COMMIT", with the commit in which the golden was accepted. Empty if the commands of
-/// no controller differ, if that controller isn't in C++, if there is no gdb, or if git doesn't have the golden as it
-/// is. Empty in continuous integration, too, where a clone may have one commit.
+/// The words of "rehearse replay GOLDEN --beside COMMIT", with the commit in which the golden was accepted. Empty if
+/// the commands of no controller differ, if that controller isn't in C++, if there is no gdb, or if git doesn't have
+/// the golden as it is.
+std::vector<std::string> words_beside(const Scenario& scenario, const CheckReport& report,
+                                      const std::filesystem::path& golden, const HostOptions& host);
+
+/// The words as a line for a terminal.
+std::string line_of(const std::vector<std::string>& words);
+
+/// " --controller NAME=LIB" for each library that the user named.
+std::string words_of_libraries(const HostOptions& host);
+
+/// The line of words_beside(). Empty in continuous integration, too, where a clone may have one commit.
 std::string line_advice(const Scenario& scenario, const CheckReport& report, const std::filesystem::path& golden,
                         const HostOptions& host);
 

@@ -22,4 +22,8 @@ struct ChangedFiles {
 ChangedFiles changed_files(const Scenario& scenario, const Trace& golden, const std::vector<std::string>& files,
                            bool of_world);
 
+/// The changed keys of these files, each with its place in the present file: "gravity is [0, 0, -9.81], was ...". A
+/// file without changed keys isn't among them.
+Diagnostics places_of_changes(const Scenario& scenario, const Trace& golden, const std::vector<std::string>& files);
+
 }  // namespace rehearse

@@ -1,0 +1,120 @@
+#include "explanation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "command.h"
+#include "core/check/changed_files.h"
+#include "core/guard/child_process.h"
+#include "line_advice.h"
+#include "viewing/report/call_stack.h"
+#include "wings.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+Diagnostic place_at(std::string file, int line, std::string message) {
+  Diagnostic place;
+  place.severity = Severity::note;
+  place.file = std::move(file);
+  place.line = line;
+  place.message = std::move(message);
+  return place;
+}
+
+/// "phase is 1.5, not 0.5": what the line has made, as `replay --beside --json` states it.
+std::string changes_in(const Json& found) {
+  std::string text;
+  for (const Json& value : found.value("values", Json::array()))
+    text += fmt::format("{}{} is {}, not {}", text.empty() ? "" : ", ", value.value("name", ""), value.value("new", ""),
+                        value.value("old", ""));
+  return text.empty() ? "the ways of both versions part here" : text;
+}
+
+/// The line by which the controller differs from the one that `words` compares it with; none: no line was found.
+std::optional<Diagnostic> line_beside(std::vector<std::string> words) {
+  words[0] = (program_tree() / "bin/rehearse").string();
+  words.push_back("--json");
+  const auto output = output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded});
+  if (!output) return std::nullopt;
+  const Json found = Json::parse(output->text, nullptr, false);
+  if (!found.is_object()) return std::nullopt;
+  for (const char* key : {"new", "new_next", "old"})
+    if (const Json place = found.value(key, Json()); place.is_object())
+      return place_at(place.value("file", ""), place.value("line", 0),
+                      fmt::format("{}, at tick {}; the golden's commit is compared", changes_in(found),
+                                  found.value("tick", std::int64_t{0})));
+  for (const Json& value : found.value("before", Json::array()))
+    return place_at("", 0,
+                    fmt::format("{} is {}, not {}, before the run; the golden's commit is compared",
+                                value.value("name", ""), value.value("new", ""), value.value("old", "")));
+  return std::nullopt;
+}
+
+/// The line that writes the first differing command; none: gdb doesn't find it.
+std::optional<Diagnostic> line_of_command(const Divergence& first, const fs::path& golden, const HostOptions& host) {
+  if constexpr (has_viewing) {
+    const std::size_t slash = first.channel.find('/', 1), end = first.channel.find('/', slash + 1);
+    if (slash == std::string::npos) return std::nullopt;
+    const auto stack = call_stack_at(golden, first.channel.substr(1, end - 1), first.element, first.tick, host);
+    if (!stack) return std::nullopt;
+    const StackFrame& frame = stack->frames[0];
+    return place_at(frame.file, frame.line,
+                    fmt::format("{} writes {}, which differs at tick {}", frame.function, first.element, first.tick));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Explanation explain(const Scenario& scenario, const CheckReport& report, const fs::path& golden,
+                    const HostOptions& host) {
+  Explanation explanation;
+  const auto add = [&](std::optional<Diagnostic> place) {
+    if (place) explanation.places.push_back(*std::move(place));
+    return place.has_value();
+  };
+  const Diagnostic* ending = report.run ? report.run->ending() : nullptr;
+  if (!ending && report.replay && report.replay->failure) ending = &*report.replay->failure;
+  if (ending && !ending->file.empty()) add(place_at(ending->file, ending->line, ending->message));
+  for (const std::optional<Comparison>* compared : {&report.plant_comparison, &report.comparison}) {
+    if (!*compared || (*compared)->changed_files.empty() || golden.empty()) continue;
+    const auto recorded = Trace::load(golden);
+    if (!recorded) break;
+    for (const Diagnostic& place : places_of_changes(scenario, *recorded, (*compared)->changed_files)) add(place);
+    break;
+  }
+  if (report.controller == LevelState::differs && report.first && !report.failed()) {
+    std::vector<std::string> words = words_beside(scenario, report, golden, host);
+    const std::string command = line_of(words);
+    if (words.empty() || !add(line_beside(std::move(words)))) add(line_of_command(*report.first, golden, host));
+    if (!command.empty()) explanation.next.push_back(command);
+    explanation.next.push_back(fmt::format("rehearse step {}{}", golden.string(), words_of_libraries(host)));
+  }
+  for (const ExpectationResult& result : report.expectations)
+    if (!result.holds && !result.undecided)
+      add(place_at(scenario.file, result.expectation.place.line, result.sentence));
+  if (!report.message.empty()) {
+    const std::string last = report.message.substr(report.message.rfind('\n') + 1);
+    if (const std::size_t command = last.find("rehearse "); command != std::string::npos)
+      explanation.next.push_back(last.substr(command));
+  }
+  return explanation;
+}
+
+Json json_of(const Explanation& explanation) {
+  return {{"places", json_of(explanation.places)}, {"next", explanation.next}};
+}
+
+void tell(const Explanation& explanation) {
+  for (const Diagnostic& place : explanation.places) fmt::print("look at {}\n", to_string(place));
+  if (explanation.places.empty()) fmt::print("no place in a file is known that explains it\n");
+  for (const std::string& command : explanation.next) fmt::print("next: {}\n", command);
+}
+
+}  // namespace rehearse::tool
