@@ -69,9 +69,9 @@ class PageServer : WebServer::Handler {
   std::atomic<int> asked_for_ = 0;
 };
 
-const std::string host = "Host: 127.0.0.1:PORT\r\n";
-const std::string own = "Origin: http://127.0.0.1:PORT\r\n";
-const std::string token = "Authorization: Bearer TOKEN\r\n";
+const std::string own_host = "Host: 127.0.0.1:PORT\r\n";
+const std::string own_origin = "Origin: http://127.0.0.1:PORT\r\n";
+const std::string with_token = "Authorization: Bearer TOKEN\r\n";
 
 std::string post(const std::string& fields, const std::string& body, const std::string& path = "/echo") {
   return "POST " + path + " HTTP/1.1\r\n" + fields + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" +
@@ -80,7 +80,7 @@ std::string post(const std::string& fields, const std::string& body, const std::
 
 TEST(Pages, ThePageNeedsNoTokenAndMayConnectToItsServerAlone) {
   PageServer server;
-  const std::string answer = server.answer_to("GET / HTTP/1.1\r\n" + host + "\r\n");
+  const std::string answer = server.answer_to("GET / HTTP/1.1\r\n" + own_host + "\r\n");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
   EXPECT_TRUE(answer.ends_with(page));
   EXPECT_THAT(answer, HasSubstr("connect-src 'self'"));
@@ -90,48 +90,49 @@ TEST(Pages, ThePageNeedsNoTokenAndMayConnectToItsServerAlone) {
 
 TEST(Pages, ARequestWithTheTokenIsAnswered) {
   PageServer server;
-  EXPECT_TRUE(server.answer_to(post(host + own + token, "{\"a\": 1}")).ends_with("post {\"a\": 1}"));
-  EXPECT_TRUE(server.answer_to("GET /echo?x=1 HTTP/1.1\r\n" + host + token + "\r\n").ends_with("get "));
-  EXPECT_THAT(server.answer_to(post(host + token, "{}", "/etc/passwd")), StartsWith("HTTP/1.1 404"));
-  EXPECT_THAT(server.answer_to(post("Host: localhost:PORT\r\nOrigin: http://localhost:PORT\r\n" + token, "")),
+  EXPECT_TRUE(server.answer_to(post(own_host + own_origin + with_token, "{\"a\": 1}")).ends_with("post {\"a\": 1}"));
+  EXPECT_TRUE(server.answer_to("GET /echo?x=1 HTTP/1.1\r\n" + own_host + with_token + "\r\n").ends_with("get "));
+  EXPECT_THAT(server.answer_to(post(own_host + with_token, "{}", "/etc/passwd")), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(server.answer_to(post("Host: localhost:PORT\r\nOrigin: http://localhost:PORT\r\n" + with_token, "")),
               StartsWith("HTTP/1.1 200"));
 }
 
 TEST(Pages, AStrangersRequestIsRefusedAndNotHandledEither) {
   const std::vector<std::pair<std::string, std::string>> requests{
-      {"403", post(host + own, "{}")},                                             // without the token
-      {"403", post(host + own + "Authorization: Bearer 0\r\n", "{}")},             // another one
-      {"403", post(host + own + "Authorization: Basic TOKEN\r\n", "{}")},          // in another scheme
-      {"403", post(host + own + "Cookie: token=TOKEN\r\n", "{}")},                 // where a browser puts it
-      {"403", post(host + own, "{}", "/echo?token=TOKEN")},                        // in the address
-      {"403", post(host + own, "token=TOKEN")},                                    // in a form
-      {"403", "GET /echo HTTP/1.1\r\n" + host + "\r\n"},                           // a link
-      {"403", "GET //echo HTTP/1.1\r\n" + host + "\r\n"},                          //
-      {"403", post(host + "Origin: http://127.0.0.1:1\r\n" + token, "{}")},        // another server here
-      {"403", post(host + "Origin: http://localhost:PORT\r\n" + token, "{}")},     // another name of this one
-      {"403", post(host + "Origin: https://127.0.0.1:PORT\r\n" + token, "{}")},    //
-      {"403", post(host + "Origin: null\r\n" + token, "{}")},                      // a report in its frame
-      {"403", post(host + "Origin: https://evil.example.com\r\n" + token, "{}")},  // a page in the browser
-      {"403", post("Host: evil.example.com:PORT\r\n" + token, "{}")},              // DNS rebinding
-      {"403", "GET / HTTP/1.1\r\nHost: evil.example.com:PORT\r\n\r\n"},            // likewise, for the page
-      {"400", post(host + host + token, "{}")},                                    //
-      {"405", "DELETE /echo HTTP/1.1\r\n" + host + token + "\r\n"},                //
-      {"413", post(host + token, std::string(2000, 'a'))},                         // too long
-      {"403", "GET / HTTP/1.1\r\n" + host + own + "Upgrade: websocket\r\nConnection: Upgrade\r\n\r\n"},
-      {"403", "GET /?token=TOKEN HTTP/1.1\r\n" + host + "Origin: http://localhost:8080\r\nUpgrade: websocket\r\n" +
+      {"403", post(own_host + own_origin, "{}")},                                           // without the token
+      {"403", post(own_host + own_origin + "Authorization: Bearer 0\r\n", "{}")},           // another one
+      {"403", post(own_host + own_origin + "Authorization: Basic TOKEN\r\n", "{}")},        // in another scheme
+      {"403", post(own_host + own_origin + "Cookie: token=TOKEN\r\n", "{}")},               // where a browser puts it
+      {"403", post(own_host + own_origin, "{}", "/echo?token=TOKEN")},                      // in the address
+      {"403", post(own_host + own_origin, "token=TOKEN")},                                  // in a form
+      {"403", "GET /echo HTTP/1.1\r\n" + own_host + "\r\n"},                                // a link
+      {"403", "GET //echo HTTP/1.1\r\n" + own_host + "\r\n"},                               //
+      {"403", post(own_host + "Origin: http://127.0.0.1:1\r\n" + with_token, "{}")},        // another server here
+      {"403", post(own_host + "Origin: http://localhost:PORT\r\n" + with_token, "{}")},     // another name of this one
+      {"403", post(own_host + "Origin: https://127.0.0.1:PORT\r\n" + with_token, "{}")},    //
+      {"403", post(own_host + "Origin: null\r\n" + with_token, "{}")},                      // a report in its frame
+      {"403", post(own_host + "Origin: https://evil.example.com\r\n" + with_token, "{}")},  // a page in the browser
+      {"403", post("Host: evil.example.com:PORT\r\n" + with_token, "{}")},                  // DNS rebinding
+      {"403", "GET / HTTP/1.1\r\nHost: evil.example.com:PORT\r\n\r\n"},                     // likewise, for the page
+      {"400", post(own_host + own_host + with_token, "{}")},                                //
+      {"405", "DELETE /echo HTTP/1.1\r\n" + own_host + with_token + "\r\n"},                //
+      {"413", post(own_host + with_token, std::string(2000, 'a'))},                         // too long
+      {"403", "GET / HTTP/1.1\r\n" + own_host + own_origin + "Upgrade: websocket\r\nConnection: Upgrade\r\n\r\n"},
+      {"403", "GET /?token=TOKEN HTTP/1.1\r\n" + own_host + "Origin: http://localhost:8080\r\nUpgrade: websocket\r\n" +
                   "Connection: Upgrade\r\n\r\n"}};
   PageServer server;
   for (const auto& [status, bytes] : requests)
     EXPECT_THAT(server.answer_to(bytes), StartsWith("HTTP/1.1 " + status)) << bytes;
   EXPECT_EQ(server.asked_for(), 0);
-  EXPECT_TRUE(server.answer_to(post(host + own + token, "on")).ends_with("post on")) << "it must serve on";
+  EXPECT_TRUE(server.answer_to(post(own_host + own_origin + with_token, "on")).ends_with("post on"))
+      << "it must serve on";
 }
 
 TEST(Pages, AContentThatNeverComesEndsItsConnectionAlone) {
   PageServer server;
-  EXPECT_EQ(server.answer_to("POST /echo HTTP/1.1\r\n" + host + token + "Content-Length: 100\r\n\r\n{"), "");
+  EXPECT_EQ(server.answer_to("POST /echo HTTP/1.1\r\n" + own_host + with_token + "Content-Length: 100\r\n\r\n{"), "");
   EXPECT_EQ(server.asked_for(), 0);
-  EXPECT_TRUE(server.answer_to(post(host + token, "on")).ends_with("post on"));
+  EXPECT_TRUE(server.answer_to(post(own_host + with_token, "on")).ends_with("post on"));
 }
 
 TEST(Pages, ThePageConnectsByWebSocketWithTheTokenInTheAddress) {
@@ -139,9 +140,9 @@ TEST(Pages, ThePageConnectsByWebSocketWithTheTokenInTheAddress) {
       "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
       "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
   PageServer server;
-  EXPECT_THAT(server.answer_to("GET /?token=TOKEN HTTP/1.1\r\n" + host + own + upgrade, 500),
+  EXPECT_THAT(server.answer_to("GET /?token=TOKEN HTTP/1.1\r\n" + own_host + own_origin + upgrade, 500),
               testing::AllOf(StartsWith("HTTP/1.1 101"), HasSubstr("hello")));
-  EXPECT_THAT(server.answer_to("GET / HTTP/1.1\r\n" + host + own + upgrade, 500), Not(HasSubstr("hello")));
+  EXPECT_THAT(server.answer_to("GET / HTTP/1.1\r\n" + own_host + own_origin + upgrade, 500), Not(HasSubstr("hello")));
 }
 
 }  // namespace

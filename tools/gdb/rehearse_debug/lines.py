@@ -234,6 +234,9 @@ class Steps:
                 while place.is_running() and self.hit is None:
                     frame = gdb.newest_frame()
                     if stack.is_of_the_host(frame):
+                        if stack.frames():  # in a function of the API
+                            gdb.execute("finish", to_string=True)
+                            continue
                         self.has_returned = True
                         return
                     is_own = _is_own(frame, self._library)

@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Optional
 import gdb
 
 LINES_AROUND = 8
+_BEGINNINGS = {"__libc_start_call_main", "start_thread", "clone", "clone3"}  # of a process or a thread
 
 
 def is_of_the_host(frame: gdb.Frame) -> bool:
@@ -36,23 +37,39 @@ def described(function: str, file: str, line: int) -> Dict[str, Any]:
     return {"function": function, "file": file, "line": line, **_source(file, line)}
 
 
-def frames(has_written: bool = False) -> List[Dict[str, Any]]:
-    """The frames of the controller, innermost first, without those of Rehearse below them. `has_written`: the innermost
-    frame is behind the instruction that a watchpoint has stopped."""
-    found: List[Dict[str, Any]] = []
+def _newest_of_controller() -> Optional[gdb.Frame]:
+    """The innermost frame of the controller, also while it calls the API; None: no code of a controller is called."""
     frame: Optional[gdb.Frame] = gdb.newest_frame()
+    while frame is not None and is_of_the_host(frame):
+        frame = frame.older()
+    return None if frame is None or frame.name() in _BEGINNINGS or host_frame(frame) is None else frame
+
+
+def frames(has_written: bool = False) -> List[Dict[str, Any]]:
+    """The frames of the controller, innermost first, without those of Rehearse below and above them. `has_written`: the
+    newest frame is behind the instruction that a watchpoint has stopped."""
+    found: List[Dict[str, Any]] = []
+    frame = _newest_of_controller()
     while frame is not None and not is_of_the_host(frame):
-        found.append(_of_frame(frame, has_written and not found))
+        found.append(_of_frame(frame, has_written and frame == gdb.newest_frame()))
         frame = frame.older()
     return found
 
 
-def host_frame() -> Optional[gdb.Frame]:
-    """The frame of Rehearse that has called the controller."""
-    frame: Optional[gdb.Frame] = gdb.newest_frame()
+def host_frame(begin: Optional[gdb.Frame] = None) -> Optional[gdb.Frame]:
+    """The frame of Rehearse that has called the controller, from this one on, or else from its innermost one."""
+    frame = begin if begin is not None else _newest_of_controller()
     while frame is not None and not is_of_the_host(frame):
         frame = frame.older()
     return frame
+
+
+def enter_functions() -> None:
+    """Goes from the host's control() of a controller in C or Rust into the function of its library, a few lines on."""
+    for _ in range(8):
+        gdb.execute("step", to_string=True)
+        if frames():
+            return
 
 
 def as_json(of: List[Dict[str, Any]], reason: str = "") -> str:

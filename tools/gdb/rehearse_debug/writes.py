@@ -80,6 +80,8 @@ def _number(now: place.Place, element: str) -> gdb.Value:
 
 def _run_on(now: place.Place, element: str, stops: bool) -> _Run:
     number = _number(now, element)
+    if not stack.frames():
+        stack.enter_functions()
     host = stack.host_frame()
     if host is None or not stack.frames():
         raise gdb.GdbError("gdb isn't in code of a controller here; rehearse-next-tick goes to the next control()")
