@@ -301,6 +301,21 @@ TEST(Densities, OfASteeredLogarithmHaveTheIntegralOne) {
   EXPECT_NEAR(sum, 1.0, 1e-6);
 }
 
+/// Their weights say too little of weights that didn't occur.
+TEST(FailureProbability, OfFewViolationsHasTheUpperBoundOfTheirNumber) {
+  std::vector<double> ratios(9, 1e-3);
+  const FailureProbability few = failure_probability(ratios, 500, own_share);
+  EXPECT_FALSE(few.has_enough_violations);
+  EXPECT_DOUBLE_EQ(few.estimate, 9e-3 / 500);
+  EXPECT_EQ(few.interval.low, 0.0);
+  EXPECT_NEAR(few.interval.high, 0.0339 / own_share, 5e-4) << "Clopper and Pearson: 9 of 500";
+  ratios.resize(100, 1e-6);
+  EXPECT_FALSE(failure_probability(ratios, 500, own_share).has_enough_violations) << "91 have hardly any weight";
+  ratios.assign(100, 1e-3);
+  EXPECT_TRUE(failure_probability(ratios, 500, own_share).has_enough_violations);
+  EXPECT_EQ(failure_probability({1.0, 1.0}, 2, own_share).interval.high, 1.0) << "all violate";
+}
+
 TEST(FailureProbability, WithoutAViolationHasAnUpperBound) {
   const FailureProbability none = failure_probability({}, 500, own_share);
   EXPECT_EQ(none.estimate, 0.0);
