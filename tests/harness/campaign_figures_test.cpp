@@ -103,7 +103,8 @@ class Searching {
     std::string text =
         "rehearse: 1\nduration: 1\nbodies:\n  - {name: Box, box: {size: [1, 1, 1]}, mass: 2, position: [0, 0, 1]}\n"
         "pushes:\n  - {body: Box, force: [1, 2, 3], from: 0.1, until: 0.2}\n"
-        "  - {body: Box, force: [1, 2, 3], from: 0.3, until: 0.4}\nvary:\n";
+        "  - {body: Box, force: [1, 2, 3], from: 0.3, until: 0.4}\n"
+        "  - {body: Box, force: [1, 2, 3], from: 0.5, until: 0.6}\nvary:\n";
     for (std::size_t i = 0; i < made_up.parameters.size(); ++i)
       text += "  p" + std::to_string(i) + ": {path: \"pushes[" + std::to_string(i / 3) + "].force[" +
               std::to_string(i % 3) + "]\", " + made_up.parameters[i] + "}\n";
@@ -189,6 +190,7 @@ TEST(FailureProbability, IsWithinItsIntervalAsOftenAsItSays) {
     const char* what;
     double probability;
     MadeUpSearch search;
+    std::int64_t cases = 300;
   } rows[] = {
       {"1 normal parameter", 1e-1, beyond(one_in_10, 1)},
       {"1 normal parameter", 1e-2, beyond(one_in_100, 1)},
@@ -208,25 +210,30 @@ TEST(FailureProbability, IsWithinItsIntervalAsOftenAsItSays) {
       {"the end of a log_uniform one",
        1e-2,
        {{"log_uniform: [1, 10000]"}, [](const std::vector<double>& values) { return 9120.1083935590974 - values[0]; }}},
+      {"the sum of 3 normal ones", 1e-6, beyond(one_in_a_million, 3), 40},
+      {"the sum of 5 normal ones", 1e-6, beyond(one_in_a_million, 5), 100},
+      {"the sum of 8 normal ones", 1e-4, beyond(one_in_10_000, 8), 100},
+      {"the sum of 8 normal ones", 1e-6, beyond(one_in_a_million, 8), 300},
   };
   std::printf(
-      "| fails beyond a value of | probability | its interval has it | violations, median |\n"
-      "| --- | --- | --- | --- |\n");
+      "| fails beyond a value of | probability | cases | its interval has it | not enough fail | violations, median |\n"
+      "| --- | --- | --- | --- | --- | --- |\n");
   for (const auto& row : rows) {
-    int within = 0;
+    int within = 0, too_few = 0;
     std::vector<std::int64_t> violations;
     for (int seed = 0; seed < seeds; ++seed) {
       Searching search(row.search, 1000 * static_cast<std::uint64_t>(seed));
       search.rounds();
-      const FailureProbability found = search.estimate(300);
+      const FailureProbability found = search.estimate(row.cases);
       violations.push_back(found.violations);
+      too_few += found.has_enough_violations ? 0 : 1;
       within += found.interval.low <= row.probability && row.probability <= found.interval.high;
     }
     std::ranges::sort(violations);
-    std::printf("| %s | %g | %d of %d | %d of 300 |\n", row.what, row.probability, within, seeds,
-                static_cast<int>(violations[violations.size() / 2]));
+    std::printf("| %s | %g | %d | %d of %d | %d | %d |\n", row.what, row.probability, static_cast<int>(row.cases),
+                within, seeds, too_few, static_cast<int>(violations[violations.size() / 2]));
     EXPECT_GT(test::binomial_at_least(seeds - within, seeds, 0.05), 0.001)
-        << row.what << ", " << row.probability << ": " << within;
+        << row.what << ", " << row.probability << ", " << row.cases << " cases: " << within;
   }
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -117,6 +118,59 @@ TEST(Importance, OfAThresholdHasOneHundredPercentInItsInterval) {
               campaigns, 100.0 * least);
   EXPECT_LT(least, 0.85);
   EXPECT_GT(test::binomial_at_least(campaigns - within, campaigns, 0.05), 0.001);
+}
+
+/// A few failures look like noise to the differences between neighbours, though thresholds explain them.
+TEST(Importance, OfThresholdsHasOneHundredPercentInItsIntervalThoughFewCasesFail) {
+  const struct {
+    const char* what;
+    std::function<bool(double, double)> fails;  // a number, 0 to 1, of which this share fails
+  } rows[] = {
+      {"below a threshold", [](double value, double share) { return value < share; }},
+      {"at both ends", [](double value, double share) { return std::abs(value - 0.5) > 0.5 - 0.5 * share; }},
+      {"in the middle", [](double value, double share) { return std::abs(value - 0.5) < 0.5 * share; }},
+  };
+  const int campaigns = AT_NIGHT ? 400 : 50;
+  std::printf("| fails | cases | share that fails | 100 %% is within |\n| --- | --- | --- | --- |\n");
+  for (const auto& row : rows)
+    for (const std::int64_t n : {16, 60, 200})
+      for (const double share : {0.03, 0.1, 0.3}) {
+        int within = 0, all = 0;
+        for (int campaign = 0; campaign < campaigns; ++campaign) {
+          const auto x = random_column("x" + std::to_string(campaign), n, 0, 1);
+          std::vector<double> passing;
+          for (const double value : x) passing.push_back(row.fails(value, share) ? 0.0 : 1.0);
+          const auto found = first_order_index(x, passing);  // none: all pass
+          all += found ? 1 : 0;
+          within += found && found->interval.high >= 0.999 ? 1 : 0;
+        }
+        std::printf("| %s | %d | %g %% | %d of %d |\n", row.what, static_cast<int>(n), 100.0 * share, within, all);
+        EXPECT_GT(test::binomial_at_least(all - within, all, 0.05), 0.001)
+            << row.what << ", " << n << " cases, " << share;
+      }
+}
+
+/// Of 80 % on one side of the threshold, and of 10 % on the other.
+TEST(Importance, OfAThresholdBesideChanceIsWithinItsIntervalAsOftenAsItSays) {
+  const int campaigns = AT_NIGHT ? 400 : 100;
+  for (const std::int64_t n : {60, 200, 1000})
+    for (const double share : {0.3, 0.5}) {
+      const double mean = 0.8 * share + 0.1 * (1.0 - share);
+      const double explained = 0.7 * 0.7 * share * (1.0 - share) / (mean * (1.0 - mean));
+      int missed = 0;
+      for (int campaign = 0; campaign < campaigns; ++campaign) {
+        const auto x = random_column("x" + std::to_string(campaign), n, 0, 1);
+        const auto chance = random_column("chance" + std::to_string(campaign), n, 0, 1);
+        std::vector<double> passing;
+        for (std::size_t i = 0; i < x.size(); ++i)
+          passing.push_back(chance[i] < (x[i] < share ? 0.8 : 0.1) ? 0.0 : 1.0);
+        const Interval interval = first_order_index(x, passing)->interval;
+        missed += interval.low > explained || interval.high < explained;
+      }
+      std::printf("| a threshold at %g and chance, %d cases | %.0f %% is outside %d of %d intervals |\n", share,
+                  static_cast<int>(n), 100.0 * explained, missed, campaigns);
+      EXPECT_GT(test::binomial_at_least(missed, campaigns, 0.05), 0.001) << n << " cases, " << share << ": " << missed;
+    }
 }
 
 TEST(Importance, IsWithinItsIntervalAsOftenAsItSays) {
@@ -245,6 +299,21 @@ TEST(Densities, OfASteeredLogarithmHaveTheIntegralOne) {
   double sum = 0.0;
   for (int i = 0; i < steps; ++i) sum += density_of(steered, 0.5 + 7.5 * (i + 0.5) / steps) * 7.5 / steps;
   EXPECT_NEAR(sum, 1.0, 1e-6);
+}
+
+/// Their weights say too little of weights that didn't occur.
+TEST(FailureProbability, OfFewViolationsHasTheUpperBoundOfTheirNumber) {
+  std::vector<double> ratios(9, 1e-3);
+  const FailureProbability few = failure_probability(ratios, 500, own_share);
+  EXPECT_FALSE(few.has_enough_violations);
+  EXPECT_DOUBLE_EQ(few.estimate, 9e-3 / 500);
+  EXPECT_EQ(few.interval.low, 0.0);
+  EXPECT_NEAR(few.interval.high, 0.0339 / own_share, 5e-4) << "Clopper and Pearson: 9 of 500";
+  ratios.resize(100, 1e-6);
+  EXPECT_FALSE(failure_probability(ratios, 500, own_share).has_enough_violations) << "91 have hardly any weight";
+  ratios.assign(100, 1e-3);
+  EXPECT_TRUE(failure_probability(ratios, 500, own_share).has_enough_violations);
+  EXPECT_EQ(failure_probability({1.0, 1.0}, 2, own_share).interval.high, 1.0) << "all violate";
 }
 
 TEST(FailureProbability, WithoutAViolationHasAnUpperBound) {

@@ -78,7 +78,7 @@ std::vector<Fault> faults() {
 INSTANTIATE_TEST_SUITE_P(Faults, LockstepOfFault, ::testing::ValuesIn(faults()),
                          [](const auto& info) { return "Number" + std::to_string(std::get<0>(info.param)); });
 
-/// Changes of one line, in the form that a fix or a slip has. By day: the two that were named by other lines before.
+/// Changes of one line, in the form that a fix or a slip has. By day: the three that were named by other lines before.
 class LockstepOfChange : public Lockstep, public ::testing::WithParamInterface<Fault> {};
 
 TEST_P(LockstepOfChange, NamesTheLine) {
@@ -96,7 +96,8 @@ TEST_P(LockstepOfChange, NamesTheLine) {
 
 std::vector<Fault> changes() {
   std::vector<Fault> all = {{12, "50 (0.05 s)", ": they go different ways from "},
-                            {19, "0 (0 s)", ": its result is 0.010000000000000002, not 0.1"}};
+                            {19, "0 (0 s)", ": its result is 0.010000000000000002, not 0.1"},
+                            {24, "201 (0.201 s)", ": its result is false, not true"}};
   const std::vector<Fault> others = {{13, "1 (0.001 s)", ": integral_ is "},
                                      {14, "0 (0 s)", ": to is 0.1, not 0.4"},
                                      {15, "51 (0.051 s)", ": they go different ways from "},

@@ -256,7 +256,7 @@ const Form& probability_form() {
       "probability",
       "the probability of a failure",
       {member("estimate", types::real()), member("interval", interval_type()), member("cases", types::count()),
-       member("violations", types::count()), member("folder", types::string())}};
+       member("violations", types::count()), member("enough", types::flag()), member("folder", types::string())}};
   return form;
 }
 

@@ -20,6 +20,7 @@ Json json_of(const FailureProbability& probability) {
           {"interval", {probability.interval.low, probability.interval.high}},
           {"cases", probability.cases},
           {"violations", probability.violations},
+          {"enough", probability.has_enough_violations},
           {"folder", probability.folder.string()}};
 }
 
@@ -28,6 +29,11 @@ std::string sentence_on(const FailureProbability& probability) {
   if (probability.violations == 0)
     return fmt::format("the probability of a violation is at most {:.3g}, with 95 % confidence: {}",
                        probability.interval.high, cases);
+  if (!probability.has_enough_violations)
+    return fmt::format(
+        "not enough cases that fail: the probability of a violation is about {:.3g}, and at most {:.3g}, with 95 % "
+        "confidence: {}, by their weights fewer than ten (--estimate with more cases)",
+        probability.estimate, probability.interval.high, cases);
   return fmt::format("the probability of a violation is about {:.3g} ({:.3g} to {:.3g}, with 95 % confidence): {}",
                      probability.estimate, probability.interval.low, probability.interval.high, cases);
 }

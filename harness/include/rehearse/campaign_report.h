@@ -124,8 +124,11 @@ struct FirstOrderIndex {
 ///
 /// Within a part the input has an effect, too, as that of a threshold. So the upper end of the interval begins with the
 /// variance between neighbours within parts (J. von Neumann, Distribution of the Ratio of the Mean Square Successive
-/// Difference to the Variance, The Annals of Mathematical Statistics 12 (1941)), if it is smaller. Both ends are
-/// extended by the standard error of a ratio, 1.96 times, which assumes independent pairs.
+/// Difference to the Variance, The Annals of Mathematical Statistics 12 (1941)), if it is smaller. The two largest of
+/// their differences, between different inputs, don't count: they may be thresholds. Both ends are extended by the
+/// standard error of a ratio, 1.96 times, which assumes independent pairs.
+///
+/// The interval doesn't see an effect in a part of the inputs in which hardly any pair lies.
 ///
 /// None if the outputs are all equal, or with fewer than two pairs for each part.
 std::optional<FirstOrderIndex> first_order_index(const std::vector<double>& inputs, const std::vector<double>& outputs);

@@ -35,9 +35,11 @@ struct SearchRound {
 /// The probability that a case of the scenario's own distributions violates an expectation.
 struct FailureProbability {
   double estimate = 0.0;
-  Interval interval;                  // with 95 % confidence
-  std::int64_t cases = 0;             // of the campaign that estimates it
-  std::int64_t violations = 0;        // those of them that violate it
+  Interval interval;            // with 95 % confidence
+  std::int64_t cases = 0;       // of the campaign that estimates it
+  std::int64_t violations = 0;  // those of them that violate it
+  /// False: by their weights they are fewer than ten, and the interval is that of their number alone.
+  bool has_enough_violations = false;
   std::filesystem::path folder = {};  // of this campaign
 };
 

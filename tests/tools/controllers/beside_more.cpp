@@ -1,5 +1,5 @@
-// A controller of the quadruped with twelve more faults to choose from, each a change of one line: FAULT is the number
-// of one, or 0. The comment "fault N" marks the line that --beside is to name.
+// A controller of the quadruped with thirteen more faults to choose from, each a change of one line: FAULT is the
+// number of one, or 0. The comment "fault N" marks the line that --beside is to name.
 #include <cnoid/Imu>
 #include <cnoid/SimpleController>
 
@@ -72,6 +72,14 @@ class BesideMore : public cnoid::SimpleController {
 #endif
   }
 
+  bool is_near(double error) const {
+#if FAULT == 24
+    return std::abs(error) > near_;  // fault 24: > for <, in a function that returns a bool
+#else
+    return std::abs(error) < near_;
+#endif
+  }
+
   void integrate() {
     const double error = 0.3 - joints_[1]->q();
 #if FAULT == 13
@@ -80,9 +88,9 @@ class BesideMore : public cnoid::SimpleController {
     integral_ += error * time_step_;
 #endif
 #if FAULT == 17
-    if (std::abs(error) < 5.0 || ticks_ > 200) filtered_ += 0.1 * (error - filtered_);  // fault 17: || for &&
+    if (is_near(error) || ticks_ > 200) filtered_ += 0.1 * (error - filtered_);  // fault 17: || for &&
 #else
-    if (std::abs(error) < 5.0 && ticks_ > 200) filtered_ += 0.1 * (error - filtered_);
+    if (is_near(error) && ticks_ > 200) filtered_ += 0.1 * (error - filtered_);
 #endif
   }
 
@@ -153,7 +161,7 @@ class BesideMore : public cnoid::SimpleController {
 
   std::vector<cnoid::Link*> joints_;
   double time_step_ = 0.0;
-  double damping_ = 0.8;
+  double damping_ = 0.8, near_ = 5.0;
   Phase phase_ = Phase::rise;
   double integral_ = 0.0, filtered_ = 0.0;
   int ticks_ = 0;

@@ -134,7 +134,8 @@ def _result(kind: gdb.Type) -> str:
     try:
         if kind.code == gdb.TYPE_CODE_FLT:
             return repr(float(gdb.parse_and_eval("$xmm0.v2_double[0]" if kind.sizeof == 8 else "$xmm0.v4_float[0]")))
-        return str(gdb.parse_and_eval("$rax").cast(kind))
+        # the bits above a byte are left over from other work, and gdb would take any of them for true
+        return str(gdb.parse_and_eval("$al" if kind.sizeof == 1 else "$rax").cast(kind))
     except gdb.error:
         return ""
 

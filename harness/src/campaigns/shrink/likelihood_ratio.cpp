@@ -5,12 +5,17 @@
 #include <cmath>
 #include <cstddef>
 
+#include "campaigns/statistics/binomial.h"
+
 namespace rehearse {
 
 namespace {
 
 /// The largest weight that is taken into account, over the largest that occurred: few cases don't show it.
 constexpr double larger_than_seen = 3.0;
+/// The least number of violations, by their weights: of as many with equal weights the sum is as uncertain (L. Kish,
+/// Survey Sampling, 1965). The weights of fewer say too little of those that didn't occur.
+constexpr double enough = 10.0;
 
 }  // namespace
 
@@ -30,21 +35,24 @@ FailureProbability failure_probability(const std::vector<double>& ratios, std::i
   FailureProbability found;
   found.cases = cases;
   found.violations = static_cast<std::int64_t>(ratios.size());
-  if (ratios.empty()) {
-    // a violation of probability p has at least the probability least_share * p in each case
-    found.interval = {0.0, std::min(1.0, (1.0 - std::pow(tail, 1.0 / n)) / least_share)};
-    return found;
-  }
   double sum = 0.0, squares = 0.0;
   for (const double ratio : ratios) {
     sum += ratio;
     squares += ratio * ratio;
   }
+  found.estimate = sum / n;
+  found.has_enough_violations = sum * sum >= enough * squares && !ratios.empty();
+  if (!found.has_enough_violations) {
+    // a violation of probability p has at least the probability least_share * p in each case
+    const double most =
+        found.violations == cases ? 1.0 : binomial_upper_bound(static_cast<double>(found.violations), n, tail);
+    found.interval = {0.0, std::min(1.0, most / least_share)};
+    return found;
+  }
   const double largest = larger_than_seen * *std::ranges::max_element(ratios);
   const auto quantile = [n](double sum, double squares, double share) {
     return boost::math::gamma_p_inv(sum * sum / squares, share) * squares / sum / n;
   };
-  found.estimate = sum / n;
   found.interval = {quantile(sum, squares, tail),
                     std::min(1.0, quantile(sum + largest, squares + largest * largest, 1.0 - tail))};
   return found;

@@ -21,9 +21,9 @@ double likelihood_ratio(const std::vector<Variation>& own, const std::vector<Ste
 /// others. Its interval, with 95 % confidence, is that of a sum of weighted Poisson counts: M. P. Fay, E. J. Feuer,
 /// Confidence Intervals for Directly Standardized Rates: a Method Based on the Gamma Distribution, Statistics in
 /// Medicine 16 (1997), pp. 791-801, with three times the largest ratio of a violation as the largest weight, because a
-/// larger one may not have occurred. Without a violation it
-/// goes from 0 to the largest probability of which so many cases show none in one of 40 campaigns. `ratios`: of the
-/// cases that violate, each at most 1 / `least_share`.
+/// larger one may not have occurred. With fewer than ten violations, by their weights, it goes from 0 to the largest
+/// probability of which so many cases show no more violations in one of 40 campaigns. `ratios`: of the cases that
+/// violate, each at most 1 / `least_share`.
 ///
 /// The interval holds for the failures that the steered distributions reach. If a failure has another part, which no
 /// case shows, the estimate lacks its probability.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -29,7 +30,6 @@ struct Ordered {
     std::vector<std::size_t> order(inputs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return inputs[a] < inputs[b]; });
-    std::vector<double> sorted;
     for (const std::size_t i : order) {
       sorted.push_back(inputs[i]);
       outputs.push_back(all_outputs[i]);
@@ -37,33 +37,44 @@ struct Ordered {
     ends = parts_of(sorted);
   }
 
-  std::vector<double> outputs;
-  std::vector<std::size_t> ends;  // of the parts
+  std::vector<double> sorted, outputs;  // inputs, and their outputs
+  std::vector<std::size_t> ends;        // of the parts
 };
 
-/// The squares of deviations: from the mean of all, from that of the part, and half of those between neighbours.
+/// Steps between neighbours that may be those of the mean, as at both ends of a range that fails: without them few
+/// failures, which two thresholds explain, would look like noise.
+constexpr std::size_t steps_of_mean = 2;
+
+/// The squares of deviations: from the mean of all, from that of the part, and half of those between neighbours in a
+/// part, without the largest between different inputs.
 struct Squares {
   explicit Squares(const Ordered& ordered) {
     const std::vector<double>& y = ordered.outputs;
     const double n = static_cast<double>(y.size()), mean = std::accumulate(y.begin(), y.end(), 0.0) / n;
+    std::vector<double> steps;
     std::size_t begin = 0;
     for (const std::size_t end : ordered.ends) {
       const double size = static_cast<double>(end - begin);
       const auto first = y.begin() + static_cast<std::ptrdiff_t>(begin);
       const double of_part = std::accumulate(first, first + static_cast<std::ptrdiff_t>(end - begin), 0.0) / size;
-      double between = 0.0;
       for (std::size_t i = begin; i < end; ++i) {
         within.push_back((y[i] - of_part) * (y[i] - of_part));
         all.push_back((y[i] - mean) * (y[i] - mean));
-        if (i > begin) between += 0.5 * (y[i] - y[i - 1]) * (y[i] - y[i - 1]);
+        if (i == begin) continue;
+        const double step = 0.5 * (y[i] - y[i - 1]) * (y[i] - y[i - 1]) * size / (size - 1.0);
+        if (ordered.sorted[i] == ordered.sorted[i - 1])
+          neighbours += step;  // the mean has none at equal inputs
+        else
+          steps.push_back(step);
       }
-      if (size > 1.0) neighbours += between * size / (size - 1.0);
       begin = end;
     }
+    std::ranges::sort(steps, std::ranges::greater());
+    for (std::size_t i = steps_of_mean; i < steps.size(); ++i) neighbours += steps[i];
   }
 
   std::vector<double> all, within;
-  double neighbours = 0.0;  // the sum, of so many as there are outputs
+  double neighbours = 0.0;  // the sum, as of so many as there are outputs
 };
 
 double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
