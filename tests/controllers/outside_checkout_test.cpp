@@ -267,8 +267,8 @@ TEST_F(OutsideRepositories, ImportFurtherWithFilesOfOtherCheckouts) {
             << "; with --allow-missing-meshes " << lenient << "; with both " << both << "\n";
   EXPECT_GE(searched, strict);
   if (all >= 361) {
-    EXPECT_GE(searched, 230u);
-    EXPECT_GE(both, 274u);
+    EXPECT_GE(searched, 233u);
+    EXPECT_GE(both, 277u);
   }
 }
 
