@@ -3,8 +3,9 @@
 #       -P compile_controllers.cmake
 #
 # CHECKOUTS are the folders below SOURCE that are searched; without it SOURCE itself is the checkout. Each controller has the usual folders
-# of its checkout on its include path. One that does not compile is printed with its reason, and each reason with its
-# count. Only a header that Rehearse does not have to offer is a reason: of ROS, of another library, of a plugin. Any
+# of its checkout on its include path, and those in which the checkout has a header that is missing. One that does not
+# compile is printed with its reason, and each reason with its count. Only a header that Rehearse does not have to offer is
+# a reason: of ROS, of another library, of a plugin or of the graphical interface, or one that its repository lacks. Any
 # other mistake fails.
 cmake_minimum_required(VERSION 3.25)
 
@@ -13,8 +14,36 @@ set(kinds
   "^(ros|tf|tf2|rclcpp|image_transport|[a-z0-9_]+_msgs)/" "ROS"
   "^pcl/" "PCL"
   "^boost/" "Boost"
-  "^(robotoc)/" "another library"
-  "^cnoid/(MessageView|Rotor|Thruster|DoseMeter|ext/.*)$" "a plugin of Choreonoid")
+  "^(robotoc|torch)/|^Eigen/eiquadprog" "another library"
+  "^cnoid/(Rotor|Thruster|DoseMeter|ext/.*)$" "a plugin of Choreonoid"
+  "^cnoid/(BodyItem|ConnectionSet|Item|LazyCaller|SimulatorItem|Timer)$" "the graphical interface of Choreonoid")
+
+# Sets `result` to the folder of the checkout from which a header that is missing can be included, or to "".
+function(find_include_folder checkout messages result)
+  set(${result} "" PARENT_SCOPE)
+  if(NOT messages MATCHES "fatal error: ([^:]+): No such file")
+    return()
+  endif()
+  set(header ${CMAKE_MATCH_1})
+  if(header MATCHES "^cnoid/")
+    return()
+  endif()
+  cmake_path(GET header FILENAME file)
+  file(GLOB_RECURSE found ${checkout}/${file})
+  foreach(each ${found})
+    string(LENGTH "/${header}" length)
+    string(LENGTH ${each} whole)
+    math(EXPR start "${whole} - ${length}")
+    if(start GREATER 0)
+      string(SUBSTRING ${each} ${start} -1 end)
+      if(end STREQUAL "/${header}")
+        string(SUBSTRING ${each} 0 ${start} folder)
+        set(${result} ${folder} PARENT_SCOPE)
+        return()
+      endif()
+    endif()
+  endforeach()
+endfunction()
 
 # Sets `result` to the kind of the header, or to "".
 function(find_kind header result)
@@ -35,13 +64,17 @@ function(find_reason source messages result)
   set(kind "")
   if(messages MATCHES "fatal error: ([^:]+): No such file")
     find_kind("${CMAKE_MATCH_1}" kind)
-    if(NOT kind AND NOT CMAKE_MATCH_1 MATCHES "^cnoid/")
+    set(header "${CMAKE_MATCH_1}")
+    if(NOT kind AND NOT header MATCHES "^cnoid/")
       file(STRINGS ${source} includes REGEX "^[ \t]*#include")
       foreach(include ${includes})
         if(NOT kind AND include MATCHES "[<\"]([^>\"]+)[>\"]")
           find_kind("${CMAKE_MATCH_1}" kind)
         endif()
       endforeach()
+      if(NOT kind)
+        set(kind "a header that isn't in its repository")
+      endif()
     endif()
   endif()
   set(${result} "${kind}" PARENT_SCOPE)
@@ -69,10 +102,17 @@ foreach(checkout ${checkouts})
     cmake_path(RELATIVE_PATH candidate BASE_DIRECTORY ${SOURCE} OUTPUT_VARIABLE name)
     cmake_path(GET candidate PARENT_PATH folder)
     string(REPLACE "/" "_" object ${name}.o)
-    execute_process(
-      COMMAND ${COMPILER} ${FLAGS} -I${checkout} -I${checkout}/src -I${checkout}/include -I${folder}/include
-        -w -fPIC -c ${candidate} -o ${OUTPUT}/${object}
-      RESULT_VARIABLE failed ERROR_VARIABLE messages OUTPUT_QUIET)
+    set(includes -I${checkout} -I${checkout}/src -I${checkout}/include -I${folder}/include)
+    foreach(try RANGE 9)
+      execute_process(
+        COMMAND ${COMPILER} ${FLAGS} ${includes} -w -fPIC -c ${candidate} -o ${OUTPUT}/${object}
+        RESULT_VARIABLE failed ERROR_VARIABLE messages OUTPUT_QUIET)
+      find_include_folder(${checkout} "${messages}" include_folder)
+      if(NOT failed OR NOT include_folder OR "-I${include_folder}" IN_LIST includes)
+        break()
+      endif()
+      list(APPEND includes -I${include_folder})
+    endforeach()
     if(NOT failed)
       math(EXPR compiled "${compiled} + 1")
       continue()

@@ -18,6 +18,7 @@
 #include <cnoid/Joystick>
 #include <cnoid/LeggedBodyHelper>
 #include <cnoid/MessageOut>
+#include <cnoid/MessageView>
 #include <cnoid/NullOut>
 #include <cnoid/RangeCamera>
 #include <cnoid/RangeSensor>
@@ -84,6 +85,24 @@ TEST(EveryMember, OfMessages) {
   EXPECT_NE(MessageOut::master(), nullptr);
   nullout() << "nowhere";
   EXPECT_EQ(nullout().rdbuf(), nullptr) << "it has no place for what is written";
+}
+
+/// What it writes goes to standard output.
+TEST(EveryMember, OfTheViewOfMessages) {
+  testing::internal::CaptureStdout();
+  MessageView* view = MessageView::mainInstance();
+  EXPECT_EQ(view, MessageView::instance());
+  view->put("a");
+  view->putln("b", MessageView::Highlight);
+  view->putln();
+  view->put(MessageView::WARNING, "c");
+  view->notify("d", MessageView::Error);
+  view->putln(MessageView::NORMAL, "e");
+  view->cout() << "f";
+  mvout() << "g";
+  view->flush();
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "ab\n\nWarning: cError: d\ne\nfg");
+  EXPECT_TRUE(view->hasErrorMessages());
 }
 
 TEST(EveryMember, OfALinksJoint) {

@@ -14,6 +14,7 @@ namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -107,9 +108,10 @@ TEST_F(ImportItems, LimitsAreThoseThatTheItemApplies) {
   EXPECT_TRUE(of_other.drive_limits);
 }
 
-TEST_F(ImportItems, CommandsOfInitializeActUnlessOdeSetsThemBack) {
+TEST_F(ImportItems, CommandsOfInitializeActUnlessTheItemSetsThemBack) {
   EXPECT_TRUE(loaded(project(aist, "", "", controller)).initial_commands);
-  EXPECT_FALSE(loaded(project(ode, "", "", controller)).initial_commands);
+  for (const char* item : {ode, "BulletSimulatorItem"})
+    EXPECT_FALSE(loaded(project(item, "", "", controller)).initial_commands) << item;
 }
 
 TEST_F(ImportItems, AistsKeysThatChangeItsRunAreWarningsUnlessTheyAreTheUsualOnes) {
@@ -138,6 +140,74 @@ TEST_F(ImportItems, VariablesArePartOfEveryPath) {
             "./Kin.so");
   EXPECT_EQ(loaded(project(ode, "", "", of("${PROJECT_DIR}/Kin"))).bodies.at(0).controllers.at(0).library, "./Kin.so");
   EXPECT_EQ(loaded(project(ode, "", "", of("${NOWHERE}/Kin.so"))).bodies.at(0).controllers.at(0).library, "Kin");
+}
+
+TEST_F(ImportItems, KeysOfOldProjectsMeanTheSame) {
+  const std::string bar = "toolbars: {TimeBar: {frameRate: 500, maxTime: 7}}\n";
+  const auto of = [&](const std::string& data) {
+    return loaded(
+        "items:\n  name: Root\n  class: RootItem\n  children:\n    - name: World\n      class: WorldItem\n      data: "
+        "{}\n      children:\n        - name: Arm\n          class: BodyItem\n          data: {modelFile: arm.body}\n"
+        "          children: [{name: C, class: SimpleControllerItem, data: {controller: Kin.so, RelativePathBase: "
+        "Project directory}}]\n        - {name: Sim, class: AISTSimulatorItem, data: {" +
+        data + "}}\n" + bar);
+  };
+  const Scenario scenario = of("framerate: 200, timeRangeMode: TimeBar range");
+  EXPECT_EQ(scenario.time_step, 0.005);
+  EXPECT_EQ(scenario.duration, 7.0);
+  EXPECT_EQ(scenario.bodies.at(0).controllers.at(0).library, "./Kin.so");
+  EXPECT_EQ(of("timeRangeMode: Time bar range").time_step, 0.002);
+}
+
+TEST_F(ImportItems, SubSimulatorsOfPluginsAreLeftOutWithAWarning) {
+  const auto report = [&](const std::string& data, const std::string& simulator = "") {
+    options_.simulator = simulator;
+    const ImportedProject of = imported(
+        "items:\n  name: Root\n  class: RootItem\n  children:\n    - name: World\n      class: WorldItem\n      data: "
+        "{}\n      children:\n        - {name: Arm, class: BodyItem, data: {file: arm.body}}\n        - {name: Other, "
+        "class: ODESimulatorItem, data: {time_range_mode: specified, time_length: 1}}\n        - name: Sim\n          "
+        "class: AISTSimulatorItem\n          data: {time_range_mode: specified, time_length: 1}\n          children: "
+        "[{name: Air, class: BreezeSimulatorItem, data: " +
+        data + "}]\n");
+    std::string text = to_string(of.remarks);
+    for (const ImportedItem& item : of.items)
+      if (item.name == "Air") text += item.outcome;
+    return text;
+  };
+  EXPECT_THAT(report("{enabled: true}", "Sim"),
+              HasSubstr("warning: BreezeSimulatorItem 'Air' is left out: the effects of this plugin's simulator aren't "
+                        "simulated"));
+  EXPECT_THAT(report("{enabled: false}", "Sim"), AllOf(HasSubstr("it is not enabled"), Not(HasSubstr("'Air'"))));
+  EXPECT_THAT(report("{}"), AllOf(HasSubstr("another simulator item is taken"), Not(HasSubstr("'Air'"))));
+  options_.simulator = "Air";
+  EXPECT_FALSE(import_project_text(project(aist), folder_ / "p.cnoid", options_).ok());
+}
+
+TEST_F(ImportItems, VisionSimulatorsTakePicturesTogether) {
+  write("eyes.body",
+        "format: ChoreonoidBody\nformat_version: 2.0\nname: Eyes\nlinks:\n  - name: BASE\n    joint_type: fixed\n"
+        "    elements:\n      - {type: Camera, name: LEFT, format: COLOR, width: 8, height: 6}\n"
+        "      - {type: Camera, name: RIGHT, format: COLOR, width: 8, height: 6}\n"
+        "      - {type: Camera, name: BACK, format: COLOR, width: 8, height: 6}\n");
+  const auto of = [&](const std::string& items) {
+    return imported(
+        "items:\n  name: Root\n  class: RootItem\n  children:\n    - name: World\n      class: WorldItem\n      data: "
+        "{}\n      children:\n        - {name: Eyes, class: BodyItem, data: {file: eyes.body}}\n        - name: Sim\n"
+        "          class: AISTSimulatorItem\n          data: {time_range_mode: specified, time_length: 1}\n"
+        "          children: [" +
+        items + "]\n");
+  };
+  const std::string left = "{name: L, class: GLVisionSimulatorItem, data: {target_sensors: [LEFT]}}",
+                    right = "{name: R, class: GLVisionSimulatorItem, data: {target_sensors: [RIGHT]}}",
+                    effects = "{name: V, class: VFXVisionSimulatorItem, data: {enabled: true}}";
+  EXPECT_THAT(of("").scenario, HasSubstr("cameras: none"));
+  EXPECT_THAT(of(left + ", " + right).scenario, HasSubstr("cameras: [Eyes/LEFT, Eyes/RIGHT]"));
+  for (const std::string& items : {effects, effects + ", " + left, left + ", " + effects}) {
+    const ImportedProject with = of(items);
+    EXPECT_THAT(with.scenario, Not(HasSubstr("cameras:"))) << items;
+    EXPECT_THAT(to_string(with.remarks),
+                HasSubstr("warning: VFXVisionSimulatorItem 'V' takes pictures, and its effects aren't drawn here"));
+  }
 }
 
 TEST_F(ImportItems, SeveralFilesAreOneProject) {

@@ -119,6 +119,18 @@ TEST_F(OutsideProject, IsToldTheOptionForAnUnknownVariable) {
                         "unknown (--variable MY_ROBOTS=DIR)"));
 }
 
+/// Of a plugin whose models are installed from a folder beside the project's.
+TEST_F(OutsideProject, TakesFilesOfOtherPartsOfItsCheckout) {
+  fs::create_directories(group_ / "plugin/model/Block");
+  write("plugin/model/Block/block.body", block());
+  EXPECT_FALSE(import("file: \"${MY_ROBOTS}/model/Block/block.body\"").ok()) << "nothing says where a checkout ends";
+  fs::create_directories(group_ / ".git");
+  const ImportedProject project = imported("file: \"${MY_ROBOTS}/model/Block/block.body\"");
+  EXPECT_THAT(project.scenario, HasSubstr("model: ../group/plugin/model/Block/block.body"));
+  EXPECT_THAT(to_string(project.remarks), HasSubstr("isn't there; ../plugin/model/Block/block.body is taken, a guess"));
+  EXPECT_FALSE(import("file: \"${MY_ROBOTS}/Block/block.body\"").ok()) << "one folder is too little";
+}
+
 /// A file with the same last folder and name, above the project or in the share folder; its old endings count.
 TEST_F(OutsideProject, TakesFilesFromSimilarPlacesWithAWarning) {
   for (const char* path : {"${HOME}/ws/src/choreonoid/ext/group/model/block.body", "${MY_ROBOTS}/model/block.body",

@@ -14,6 +14,19 @@ namespace {
 constexpr double default_field_of_view = 0.785398;  // [rad]
 constexpr double default_beam_width = 1.570796;     // [rad]
 
+constexpr double one_degree = std::numbers::pi / 180.0;  // [rad]
+
+/// True for an angle of a file in radians that only is possible in degrees.
+bool are_degrees(double angle, double most, const Document& document) {
+  return !document.degrees && angle > most && angle * one_degree <= most;
+}
+
+void take_degrees(Mapping& keys, const std::string& what, double angle) {
+  keys.document().warning(keys.node(),
+                          fmt::format("{} can't be {:.6g} rad: {:.6g} degrees are taken", what, angle, angle),
+                          "the file states angleUnit: radian");
+}
+
 /// The frame in which a camera or range sensor looks along -z with +y up, in the device's own.
 Eigen::Matrix3d read_optical_frame(Mapping& keys) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -79,6 +92,10 @@ std::optional<DeviceKind> read_camera(Mapping& keys, const std::string& name) {
                      fmt::format("{} is left out: it has a {} lens, and only NORMAL is drawn", name, lens));
     return std::nullopt;
   }
+  if (are_degrees(camera.field_of_view, std::numbers::pi, document)) {
+    take_degrees(keys, fmt::format("the field of view of {}", name), camera.field_of_view);
+    camera.field_of_view *= one_degree;
+  }
   if (!(camera.field_of_view > 0.0 && camera.field_of_view < std::numbers::pi)) {
     document.error(keys.node(), fmt::format("the field of view of {} is {:.6g} rad", name, camera.field_of_view),
                    "above 0 and below pi; by default the file's angles are degrees");
@@ -107,8 +124,14 @@ Sweep read_sweep(Mapping& keys, const std::string& kind, double range_by_default
   Sweep sweep{-range / 2.0, range / 2.0, 1};
   const auto low = keys.angle({lowest}), high = keys.angle({highest});
   if (low && high) sweep = {*low, *high, 1};
-  const double whole = sweep.upper - sweep.lower;
-  const auto step = keys.angle({snake_step, camel_step, scan_step});
+  double whole = sweep.upper - sweep.lower;
+  auto step = keys.angle({snake_step, camel_step, scan_step});
+  constexpr double full_turn = 2.0 * std::numbers::pi + 1e-9;  // [rad]
+  if (are_degrees(whole, full_turn, keys.document())) {
+    take_degrees(keys, fmt::format("the {} of a range sensor", kind), whole);
+    for (double* angle : {&sweep.lower, &sweep.upper, &whole}) *angle *= one_degree;
+    if (step) *step *= one_degree;
+  }
   const auto count = keys.number({samples});
   double beams = 1.0;
   if (count && !step)
@@ -116,7 +139,7 @@ Sweep read_sweep(Mapping& keys, const std::string& kind, double range_by_default
   else if (const double used = step.value_or(step_by_default); used > 0.0)
     beams = std::floor(whole / used + 1e-7) + 1.0;
   constexpr double most = 100'000.0;
-  if (!(whole >= 0.0 && whole <= 2.0 * std::numbers::pi + 1e-9 && beams >= 1.0 && beams <= most)) {
+  if (!(whole >= 0.0 && whole <= full_turn && beams >= 1.0 && beams <= most)) {
     keys.document().error(keys.node(),
                           fmt::format("the {} of a range sensor is {:.6g} rad in {:.6g} beams", kind, whole, beams),
                           "at most a full turn; by default the file's angles are degrees");

@@ -15,8 +15,10 @@
 namespace rehearse {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
@@ -34,6 +36,30 @@ std::vector<std::string> names_of(const std::vector<Link>& links) {
 
 void expect_near(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   EXPECT_LE((a - b).cwiseAbs().maxCoeff(), 1e-9) << "got\n" << a << "\nexpected\n" << b;
+}
+
+TEST(Body, TakesDegreesOfSensorsWhereRadiansAreImpossible) {
+  const std::string links = R"(links:
+  - name: BASE
+    elements:
+      - { type: RangeSensor, name: SCAN, yaw_range: 270, yaw_step: 1, max_distance: 10 }
+      - { type: Camera, name: EYE, format: COLOR, field_of_view: 62 }
+      - { type: RangeSensor, name: RADIANS, yaw_range: 3, yaw_step: 0.5, max_distance: 10 }
+      - { type: Camera, name: WIDE, format: COLOR, field_of_view: 2 }
+)";
+  const Model model = model_of(links, "formatVersion: 1.0\nangleUnit: radian\n");
+  const auto& scan = std::get<RangeSensor>(model.devices.at(0).kind);
+  EXPECT_EQ(scan.yaw.samples, 271);
+  EXPECT_NEAR(scan.yaw.upper, 135.0 * degree, 1e-12);
+  EXPECT_NEAR(std::get<Camera>(model.devices.at(1).kind).field_of_view, 62.0 * degree, 1e-12);
+  const auto& in_radians = std::get<RangeSensor>(model.devices.at(2).kind);
+  EXPECT_EQ(in_radians.yaw.samples, 7);
+  EXPECT_EQ(in_radians.yaw.upper, 1.5);
+  EXPECT_EQ(std::get<Camera>(model.devices.at(3).kind).field_of_view, 2.0);
+  EXPECT_THAT(to_string(model.report),
+              AllOf(HasSubstr("the yaw of a range sensor can't be 270 rad: 270 degrees are taken"),
+                    HasSubstr("the field of view of Camera 'EYE' can't be 62 rad: 62 degrees are taken"),
+                    Not(HasSubstr("2 rad: 2 degrees"))));
 }
 
 TEST(Body, HasItsLinksDepthFirstAndItsJointsByTheirIds) {

@@ -206,6 +206,30 @@ class EarlyPusher : public Pusher {
 };
 const Add<EarlyPusher> early_pusher("early");
 
+/// Writes an external force of 7 N on the root link in initialize() only, and in control() the force that it reads.
+class EarlyForce : public cnoid::SimpleController {
+ public:
+  explicit EarlyForce(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    os_ = &io->os();
+    root_ = io->body()->rootLink();
+    io->enableInput(root_, LinkExtWrench);
+    io->enableOutput(root_, LinkExtWrench);
+    root_->F_ext()[0] = 7.0;
+    return true;
+  }
+  bool control() override {
+    *os_ << root_->F_ext()[0] << "\n";
+    root_->F_ext().setZero();
+    return true;
+  }
+
+ private:
+  std::ostream* os_ = nullptr;
+  cnoid::Link* root_ = nullptr;
+};
+const Add<EarlyForce> early_force("early_force");
+
 /// Commands the time [s] as an effort, and writes the time in the other functions.
 class Clock : public Pusher {
  public:

@@ -159,6 +159,15 @@ TEST_F(ChoreonoidItems, CommandsOfInitializeAreReadBackInTheFirstCall) {
   EXPECT_EQ(first(""), "Rig/B: 0");
 }
 
+/// AIST's item sets external wrenches to zero before its first step, as every other item.
+TEST_F(ChoreonoidItems, AnExternalForceOfInitializeIsLost) {
+  const Trace trace = record_run("initial_commands: true\n" + box(behaviour("C", "early_force")));
+  EXPECT_THAT(said_by_controllers(trace), Contains("Rig/C: 0"));
+  EXPECT_THAT(said_by_controllers(trace), ::testing::Not(Contains("Rig/C: 7")));
+  EXPECT_EQ(trace.last("Rig/Rig/position/x"), 0.0);
+  expect_equal_replay();
+}
+
 // --- Children of children
 
 TEST_F(ChoreonoidItems, AChildOfAChildIsStartedAndStoppedAndNeverCalled) {

@@ -43,8 +43,6 @@ struct Reason {
 constexpr Reason reasons[] = {
     {"WorldItem", "another world of the project", false},
     {"MultiSE3MatrixSeqItem", "a recorded motion", false},
-    {"MulticopterSimulatorItem", "the forces of rotors and of air aren't simulated", true},
-    {"SubmersibleSimulatorItem", "the forces of water aren't simulated", true},
     {"SimulatorItem", "another simulator item is taken", false},
     {"SceneItem", "is drawn and has no contacts", false},
     {"LightingItem", "belongs to the display", false},
@@ -60,6 +58,13 @@ constexpr Reason reasons[] = {
     {"SpringDamperContactItem", "contacts of springs and dampers aren't read", true},
     {"ControllerItem", "only SimpleControllers are run", true},
     {"ScriptItem", "scripts aren't run", true},
+};
+
+/// Of sub-simulators within the simulator item that is taken.
+constexpr Reason reasons_of_sub_simulators[] = {
+    {"MulticopterSimulatorItem", "the forces of rotors and of air aren't simulated", true},
+    {"SubmersibleSimulatorItem", "the forces of water aren't simulated", true},
+    {"SimulatorItem", "the effects of this plugin's simulator aren't simulated", true},
 };
 
 const Reason& reason_of(const std::string& type) {
@@ -88,15 +93,33 @@ std::string ProjectReader::unique_name(const std::string& wanted, std::set<std::
   return name;
 }
 
+void ProjectReader::leave_out(const ProjectItem& item, std::string_view why) {
+  left_out(item, std::string(why));
+  document().warning(*item.node, fmt::format("{} {} is left out: {}", item.type, in_quotes(item.name), why));
+}
+
+void ProjectReader::leave_out_sub_simulator(const ProjectItem& item) {
+  if (settings_.simulator == nullptr || !item.is_below(*settings_.simulator))
+    return left_out(item, "another simulator item is taken");
+  if (!data_of(item, file_).flag({"enabled"}).value_or(true)) return left_out(item, "it is not enabled");
+  leave_out(item, std::ranges::find_if(reasons_of_sub_simulators, [&](const Reason& reason) {
+                    return item.type.ends_with(reason.ending);
+                  })->why);
+}
+
 void ProjectReader::leave_out_the_rest() {
   for (const ProjectItem* item : file_.all()) {
     if (outcomes_.contains(item) || item->type == "FolderItem" || item->type == "RootItem" || item->type.empty())
       continue;
+    if (item->is_sub_simulator()) {
+      leave_out_sub_simulator(*item);
+      continue;
+    }
     const Reason& reason = reason_of(item->type);
-    left_out(*item, std::string(reason.why));
     if (reason.changes_the_run)
-      document().warning(*item->node,
-                         fmt::format("{} {} is left out: {}", item->type, in_quotes(item->name), reason.why));
+      leave_out(*item, reason.why);
+    else
+      left_out(*item, std::string(reason.why));
   }
 }
 

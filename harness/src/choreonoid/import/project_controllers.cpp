@@ -58,7 +58,8 @@ std::string ProjectReader::seen_as_library(const fs::path& file) const {
 std::optional<ProjectController> ProjectReader::read_controller(const ProjectItem& item, std::set<std::string>& names) {
   Mapping keys = data_of(item, file_);
   const std::string written = keys.text({"controller"}).value_or("");
-  const std::string base = keys.text({"base_directory", "baseDirectory"}).value_or("Controller directory");
+  const std::string base =
+      keys.text({"base_directory", "baseDirectory", "RelativePathBase"}).value_or("Controller directory");
   if (written.empty()) {  // Choreonoid runs the project without it
     document().warning(*item.node,
                        fmt::format("the controller {} names no library; it is left out", in_quotes(item.name)),

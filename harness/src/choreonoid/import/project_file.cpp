@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
 
 #include "base/text.h"
 
@@ -10,6 +12,10 @@ namespace rehearse::import {
 namespace {
 
 using body::Mapping;
+
+constexpr std::string_view simulator_class = "SimulatorItem";  // the end of its name
+constexpr std::string_view known_sub_simulators[] = {"GLVisionSimulatorItem", "MulticopterSimulatorItem",
+                                                     "SubmersibleSimulatorItem", "SampleCameraEffectSimulatorItem"};
 
 void read_item(const YamlNode& node, ProjectFile& file, ProjectItem& item) {
   Mapping keys(node, "an item", file.document);
@@ -55,9 +61,21 @@ void read_time_bar(const YamlNode& toolbars, ProjectFile& file) {
 
 }  // namespace
 
-bool ProjectItem::is_simulator() const {
-  return type.ends_with("SimulatorItem") && type != "GLVisionSimulatorItem" && type != "MulticopterSimulatorItem" &&
-         type != "SubmersibleSimulatorItem" && type != "SampleCameraEffectSimulatorItem";
+bool ProjectItem::is_simulator() const { return type.ends_with(simulator_class) && !is_sub_simulator(); }
+
+/// Plugins have sub-simulators of their own: what is below a simulator item is one.
+bool ProjectItem::is_sub_simulator() const {
+  if (!type.ends_with(simulator_class)) return false;
+  if (std::ranges::find(known_sub_simulators, type) != std::end(known_sub_simulators)) return true;
+  for (const ProjectItem* item = parent; item != nullptr; item = item->parent)
+    if (item->type.ends_with(simulator_class)) return true;
+  return false;
+}
+
+bool ProjectItem::is_below(const ProjectItem& other) const {
+  for (const ProjectItem* item = parent; item != nullptr; item = item->parent)
+    if (item == &other) return true;
+  return false;
 }
 
 const ProjectItem* ProjectItem::above(std::string_view wanted) const {

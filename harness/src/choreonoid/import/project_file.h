@@ -20,8 +20,11 @@ struct ProjectItem {
   const ProjectItem* parent = nullptr;
   std::vector<std::unique_ptr<ProjectItem>> children;
 
-  /// True for all items that simulate.
+  /// True for all items that simulate a world.
   bool is_simulator() const;
+  /// True for items that act within one of these, as vision simulators do.
+  bool is_sub_simulator() const;
+  bool is_below(const ProjectItem& other) const;
   /// The nearest item of that class above this one, or null.
   const ProjectItem* above(std::string_view wanted) const;
 };

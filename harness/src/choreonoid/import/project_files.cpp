@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,6 +55,24 @@ std::vector<fs::path> ends_of(const std::string& path) {
   return ends;
 }
 
+/// The folders of the project's checkout in which a plugin's part may lie: those within the folders above the project,
+/// up to the one with .git. Without one there are none.
+std::vector<fs::path> folders_of_parts(const std::vector<fs::path>& above) {
+  std::error_code ignored;
+  const auto root =
+      std::ranges::find_if(above, [&](const fs::path& each) { return fs::exists(each / ".git", ignored); });
+  std::vector<fs::path> parts;
+  if (root == above.end()) return parts;
+  for (auto folder = above.begin(); folder != std::next(root); ++folder) {
+    std::vector<fs::path> within;
+    for (const auto& entry : fs::directory_iterator(*folder, ignored))
+      if (entry.is_directory(ignored)) within.push_back(entry.path());
+    std::ranges::sort(within);
+    parts.insert(parts.end(), within.begin(), within.end());
+  }
+  return parts;
+}
+
 }  // namespace
 
 std::optional<fs::path> ProjectReader::expanded(const std::string& written) const {
@@ -72,18 +91,27 @@ std::optional<fs::path> ProjectReader::folder_of(const std::string& variable) co
   return home == nullptr ? std::nullopt : std::optional<fs::path>(home);
 }
 
-/// A file with the same last folders and name: in the given folders, above the project, or in the share folder.
-/// Projects name files by where their author installs them.
+/// A file with the same last folders and name: in the given folders, above the project, in the share folder, or with
+/// two folders in a part of the checkout. Projects name files by where their author installs them.
 std::optional<fs::path> ProjectReader::find_similar(const std::string& written) const {
   std::vector<fs::path> folders = options_.search;
   const std::vector<fs::path> above = folders_above(project_);
   folders.insert(folders.end(), above.begin(), above.end());
   if (!options_.share.empty()) folders.push_back(options_.share);
   std::error_code ignored;
-  for (const fs::path& end : ends_of(split_variable(written).rest))
-    for (const fs::path& folder : folders)
+  const auto file_in = [&](const std::vector<fs::path>& places, const fs::path& end) -> std::optional<fs::path> {
+    for (const fs::path& folder : places)
       for (const fs::path& name : {end, fs::path(end).replace_extension(".body")})  // formerly .wrl or .yaml
         if (fs::is_regular_file(folder / name, ignored)) return folder / name;
+    return std::nullopt;
+  };
+  const std::vector<fs::path> ends = ends_of(split_variable(written).rest);
+  for (const fs::path& end : ends)
+    if (const auto file = file_in(folders, end)) return file;
+  const std::vector<fs::path> parts = folders_of_parts(above);
+  for (const fs::path& end : ends)
+    if (end.has_parent_path() && end.parent_path().has_parent_path())
+      if (const auto file = file_in(parts, end)) return file;
   const fs::path beside = project_.parent_path() / fs::path(written).filename();
   return fs::is_regular_file(beside, ignored) ? std::optional(beside) : std::nullopt;
 }

@@ -82,7 +82,7 @@ struct ProjectSettings {
   bool obeys_collision_switch = false;  // of body items
   bool initial_commands = false;        // what controllers write in initialize() acts in the first step
   std::optional<std::pair<double, double>> friction_range;  // to which the item clamps friction
-  std::optional<std::vector<std::string>> cameras;          // patterns of names in a GLVisionSimulatorItem
+  std::optional<std::vector<std::string>> cameras;          // patterns of names in vision simulators
   bool has_vision = false;
 };
 
@@ -143,6 +143,8 @@ class ProjectReader {
   void left_out(const ProjectItem& item, std::string why) { outcomes_[&item] = {false, std::move(why)}; }
   void keep_model_options();
   void leave_out_the_rest();
+  void leave_out(const ProjectItem& item, std::string_view why);
+  void leave_out_sub_simulator(const ProjectItem& item);
   body::Document& document() { return file_.document; }
 
   ProjectFile& file_;

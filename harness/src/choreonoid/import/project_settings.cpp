@@ -15,8 +15,11 @@ using body::Mapping;
 
 constexpr const char* ode = "ODESimulatorItem";
 constexpr const char* aist = "AISTSimulatorItem";
+constexpr const char* bullet = "BulletSimulatorItem";
 constexpr const char* agx = "AGXSimulatorItem";
 constexpr const char* kinematic = "KinematicSimulatorItem";
+constexpr const char* gl_vision = "GLVisionSimulatorItem";
+constexpr const char* vfx_vision = "VFXVisionSimulatorItem";
 constexpr double longest_until_done = 60.0;  // [s], where a project leaves the end to its controllers
 constexpr double endless = 10.0;             // [s], where a project runs until somebody stops it
 
@@ -39,12 +42,6 @@ const std::vector<std::string_view> item_keys_without_effect{"realtime_sync",
                                                              "num_collision_detection_threads",
                                                              "time_sync_items",
                                                              "collisionSeqItem"};
-
-bool is_below(const ProjectItem& item, const ProjectItem& other) {
-  for (const ProjectItem* above = item.parent; above != nullptr; above = above->parent)
-    if (above == &other) return true;
-  return false;
-}
 
 /// Words of a list, or one word.
 std::vector<std::string> words_of(const YamlNode& node) {
@@ -92,7 +89,7 @@ void ProjectReader::read_settings() {
   }
   const ProjectItem& item = *settings_.simulator;
   Mapping keys = data_of(item, file_);
-  const auto rate = keys.number({"frame_rate", "frameRate"});
+  const auto rate = keys.number({"frame_rate", "frameRate", "framerate"});
   if (rate && *rate > 0.0) settings_.time_step = 1.0 / *rate;
   settings_.time_step = keys.number({"time_step", "timeStep", "timestep"}).value_or(settings_.time_step);
   settings_.options = keys.text({"controller_options", "controllerOptions"}).value_or("");
@@ -105,7 +102,7 @@ void ProjectReader::read_settings() {
   settings_.is_planar = keys.flag({"use_2d_mode", "2Dmode"}).value_or(false);
   settings_.is_kinematic = item.type == kinematic;
   settings_.obeys_collision_switch = item.type == aist || item.type == agx;
-  settings_.initial_commands = item.type != ode;  // which sets commands back
+  settings_.initial_commands = item.type != ode && item.type != bullet;  // which set commands back
   if (item.type == ode) read_ode(keys);
   if (item.type == aist) read_aist(keys);
   tell_item(item);
@@ -140,7 +137,7 @@ void ProjectReader::read_time_range(Mapping& keys) {
     settings_.duration = *options_.duration;
   } else if (mode == "specified" || mode == "Specified time") {
     settings_.duration = length;
-  } else if (mode == "timebar" || mode == "Time bar range") {
+  } else if (mode == "timebar" || mode == "Time bar range" || mode == "TimeBar range") {
     settings_.duration = length_of_time_bar();
   } else if (settings_.ends_when_done) {
     settings_.duration = longest_until_done;
@@ -235,8 +232,9 @@ void ProjectReader::note_unknown_targets(const ProjectItem& item, const std::vec
 
 void ProjectReader::read_vision() {
   if (settings_.simulator == nullptr) return;
+  bool takes_all = false;
   for (const ProjectItem* item : file_.all()) {
-    if (item->type != "GLVisionSimulatorItem" || !is_below(*item, *settings_.simulator)) continue;
+    if ((item->type != gl_vision && item->type != vfx_vision) || !item->is_below(*settings_.simulator)) continue;
     Mapping keys = data_of(*item, file_);
     if (!keys.flag({"enabled"}).value_or(true)) {
       left_out(*item, "it is not enabled");
@@ -246,7 +244,7 @@ void ProjectReader::read_vision() {
     if (const YamlNode* node = keys.find({"target_bodies", "targetBodies"})) bodies = words_of(*node);
     if (const YamlNode* node = keys.find({"target_sensors", "targetSensors"})) sensors = words_of(*node);
     settings_.has_vision = true;
-    settings_.cameras.emplace();
+    if (!settings_.cameras) settings_.cameras.emplace();
     const auto is_meant = [](const std::vector<std::string>& words, const std::string& name) {
       return words.empty() || std::ranges::find(words, name) != words.end();
     };
@@ -256,10 +254,14 @@ void ProjectReader::read_vision() {
             is_meant(sensors, device.name))
           settings_.cameras->push_back(body.name + "/" + device.name);
     note_unknown_targets(*item, bodies, sensors);
-    if (bodies.empty() && sensors.empty()) settings_.cameras.reset();
+    takes_all = takes_all || (bodies.empty() && sensors.empty());
+    if (item->type != gl_vision)
+      document().warning(*item->node, fmt::format("{} {} takes pictures, and its effects aren't drawn here", item->type,
+                                                  in_quotes(item->name)));
     keys.finish();
     taken(*item, "the cameras take pictures");
   }
+  if (takes_all) settings_.cameras.reset();
 }
 
 void ProjectReader::read_materials() {
@@ -268,7 +270,7 @@ void ProjectReader::read_materials() {
   read_table(file == nullptr ? "${SHARE}/default/materials.yaml" : file->text, file == nullptr ? *world_->node : *file);
   keys.finish();
   for (const ProjectItem* item : file_.all()) {
-    if (item->type != "MaterialTableItem" || !is_below(*item, *world_)) continue;
+    if (item->type != "MaterialTableItem" || !item->is_below(*world_)) continue;
     Mapping table = data_of(*item, file_);
     const YamlNode* name = table.find({"file"});
     if (name == nullptr) {

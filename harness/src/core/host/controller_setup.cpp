@@ -1,6 +1,7 @@
 // ControllerHost: loading, configuring, initialising and starting controllers.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <utility>
@@ -227,7 +228,8 @@ Command ControllerHost::initialize(const Observation& initial) {
   return command;
 }
 
-/// As Choreonoid's item of a controller: once, in their order, whatever their delay.
+/// As Choreonoid's item of a controller: once, in their order, whatever their delay. External wrenches are lost: every
+/// simulator item sets them to zero before the first step.
 void ControllerHost::output_of_initialize(Command& command) {
   read_backs_.begin_late_outputs();
   for (std::size_t i = 0; i < controllers_.size(); ++i) {
@@ -235,6 +237,8 @@ void ControllerHost::output_of_initialize(Command& command) {
     controllers_[i].io->output();
     apply(i, Timing::next_step, command);
   }
+  for (BodyCommand& body : command.bodies) std::ranges::fill(body.external, Wrench());
+  read_backs_.clear_wrenches();
 }
 
 /// The last controller that commands a joint determines its drive.

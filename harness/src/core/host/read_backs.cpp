@@ -62,6 +62,11 @@ void ReadBacks::begin_late_outputs() {
   }
 }
 
+void ReadBacks::clear_wrenches() {
+  for (Value& value : values_)
+    if (value.quantity == Quantity::wrench) value.numbers = {};
+}
+
 void ReadBacks::take(std::size_t controller, const IoField& field, std::span<const double> values, Timing timing) {
   if (values_.empty() || (timing == Timing::same_step && field.quantity != Quantity::u)) return;
   const std::size_t place = place_of(bodies_[controller], field.link, field.quantity);

@@ -30,6 +30,8 @@ class ReadBacks {
   void begin() { is_on_ = true; }
   /// Before the outputs of a tick that come after the step: those of the tick before are gone.
   void begin_late_outputs();
+  /// There is no external wrench until the next output.
+  void clear_wrenches();
   /// Takes a number, or the numbers, that a controller commands. Numbers that aren't finite must be left out.
   void take(std::size_t controller, const IoField& field, std::span<const double> values, Timing timing);
   /// Passes the values to the controller's body, in place of the observed ones.

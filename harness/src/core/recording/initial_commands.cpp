@@ -75,11 +75,6 @@ mcap::StringMap metadata_of_initial_commands(const Scenario& scenario, const Com
         if (of_body.joints[id].*number != at_rest.*number)
           metadata[metadata_key(body, joint, quantity)] = fmt::format("{}", of_body.joints[id].*number);
     }
-    for (std::size_t i = 0; i < of_body.external.size(); ++i) {
-      const Wrench& wrench = of_body.external[i];
-      if (!wrench.force.isZero(0.0) || !wrench.torque.isZero(0.0))
-        metadata[metadata_key(body, links[i].name, "wrench")] = command_text(wrench.force, {wrench.torque.data(), 3});
-    }
     for (const auto& [link, motion] : of_body.given) {
       const std::string& name = links[static_cast<std::size_t>(link)].name;
       if (motion.place)
@@ -110,8 +105,6 @@ void take_initial_commands(const mcap::StringMap& metadata, const Scenario& scen
       }
     for (std::size_t i = 0; i < links.size(); ++i) {
       const std::string& name = links[i].name;
-      if (const auto numbers = command_numbers(stated(body, name, "wrench"), 6); !numbers.empty())
-        of_body.external[i] = {vector_of(numbers, 0), vector_of(numbers, 3)};
       if (const auto numbers = command_numbers(stated(body, name, "pose"), 7); !numbers.empty())
         of_body.given[static_cast<int>(i)].place =
             LinkPlace{vector_of(numbers, 0), {numbers[6], numbers[3], numbers[4], numbers[5]}};

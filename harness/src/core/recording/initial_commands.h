@@ -20,7 +20,7 @@ void take_initial_commands(const mcap::StringMap& metadata, const Scenario& scen
 /// A number of these commands, in a recording and in another run of it. Of a pose that one of them lacks: NaN.
 struct InitialNumber {
   std::string body;
-  std::string element;  // "SHOULDER/u", "TIP/wrench/2"
+  std::string element;  // "SHOULDER/u", "TIP/twist/2"
   double recorded, now;
 };
 
