@@ -60,7 +60,7 @@ class GoldenAssertion : public ::testing::Test {
   template <class... Overrides>
   TestVerdict match(const Trace& trace, const Overrides&... overrides) {
     MatchOptions options;
-    (take(options, overrides), ...);
+    (set_option(options, overrides), ...);
     last_name_ = "Box.Falls-" + std::to_string(++matched_);
     copy_golden(last_name_);
     return internal::match_golden(trace, last_name_, options);

@@ -216,14 +216,13 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
   const fs::path golden = golden_of(settings, scenario);
-  if (settings.explain && exit_of(checked.report) != Exit::done)
-    checked.explanation = explain(scenario, checked.report, golden, settings.check.run);
-  else
-    checked.line_advice = line_advice(scenario, checked.report, golden, settings.check.run);
+  const bool explains = settings.explain && exit_of(checked.report) != Exit::done;
+  if (!explains) checked.line_advice = line_advice(scenario, checked.report, golden, settings.check.run);
   add_page(settings, scenario, waiting.folder() / (name + ".mcap"), checked);
   const auto told = REHEARSE_TRY(waiting.publish(checked.report.message));
   if (!told.empty()) checked.report.remarks.push_back(told);
   if (checked.page) checked.page->file = settings.pending / checked.page->file.lexically_relative(waiting.folder());
+  if (explains) checked.explanation = explain(scenario, checked.report, golden, settings.check.run);
   return checked;
 }
 

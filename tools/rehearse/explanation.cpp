@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "command.h"
 #include "core/check/changed_files.h"
 #include "core/guard/child_process.h"
+#include "core/guard/source_line.h"
 #include "line_advice.h"
 #include "viewing/report/call_stack.h"
 #include "wings.h"
@@ -81,7 +83,8 @@ Explanation explain(const Scenario& scenario, const CheckReport& report, const f
   };
   const Diagnostic* ending = report.run ? report.run->ending() : nullptr;
   if (!ending && report.replay && report.replay->failure) ending = &*report.replay->failure;
-  if (ending && !ending->file.empty()) add(place_at(ending->file, ending->line, ending->message));
+  if (const auto line = SourceLine::at_beginning_of(ending ? ending->message : ""))
+    add(place_at(line->file.string(), line->line, ending->message));
   for (const std::optional<Comparison>* compared : {&report.plant_comparison, &report.comparison}) {
     if (!*compared || (*compared)->changed_files.empty() || golden.empty()) continue;
     const auto recorded = Trace::load(golden);
@@ -99,11 +102,10 @@ Explanation explain(const Scenario& scenario, const CheckReport& report, const f
   for (const ExpectationResult& result : report.expectations)
     if (!result.holds && !result.undecided)
       add(place_at(scenario.file, result.expectation.place.line, result.sentence));
-  if (!report.message.empty()) {
-    const std::string last = report.message.substr(report.message.rfind('\n') + 1);
-    if (const std::size_t command = last.find("rehearse "); command != std::string::npos)
-      explanation.next.push_back(last.substr(command));
-  }
+  std::istringstream lines(report.message);
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t command = line.find(": rehearse "); command != std::string::npos)
+      explanation.next.push_back(line.substr(command + 2));
   return explanation;
 }
 

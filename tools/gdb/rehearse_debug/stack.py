@@ -66,7 +66,7 @@ def host_frame(begin: Optional[gdb.Frame] = None) -> Optional[gdb.Frame]:
 
 def enter_functions() -> None:
     """Goes from the host's control() of a controller in C or Rust into the function of its library, a few lines on."""
-    for _ in range(8):
+    for _ in range(64):  # also through functions that are inlined there
         gdb.execute("step", to_string=True)
         if frames():
             return

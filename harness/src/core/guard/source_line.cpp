@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/text.h"
 #include "libdw.h"
 #include "reader_process.h"
 
@@ -68,6 +69,14 @@ void print_line_at(const fs::path& library, Dwarf_Addr address, std::FILE* to) {
 
 std::string SourceLine::text() const { return fmt::format("{}:{}: ", file.filename().string(), line); }
 
+std::optional<SourceLine> SourceLine::at_beginning_of(std::string_view message) {
+  const std::size_t colon = message.find(':'), end = message.find(": ", colon + 1);
+  if (colon == std::string_view::npos || end == std::string_view::npos) return std::nullopt;
+  const std::string_view file = message.substr(0, colon);
+  const auto line = number_in<int>(message.substr(colon + 1, end - colon - 1));
+  if (!line || file.empty() || file.find(' ') != std::string_view::npos) return std::nullopt;
+  return SourceLine{std::string(file), *line};
+}
 std::optional<SourceLine> source_line_at(const fs::path& library, std::uint64_t address) {
   const std::string text = text_of_child([&](std::FILE* to) { print_line_at(library, address, to); });
   const std::size_t space = text.find(' ');

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace rehearse {
 
@@ -15,6 +16,8 @@ struct SourceLine {
 
   /// "walk.cpp:42: ", for the beginning of a message.
   std::string text() const;
+  /// The line at the beginning of a message, as text() writes it: the file without its folder. None: there is none.
+  static std::optional<SourceLine> at_beginning_of(std::string_view message);
 };
 
 /// The line at a virtual address of a library. Of a function that was inlined from a header of another package, the
