@@ -213,6 +213,7 @@
       frame,
     );
     if (scenario.report) show_report(scenario, frame);
+    else if (scenario.report_follows) frame.replaceChildren(make('p', { class: 'absence' }, 'Its report is being made …'));
     else frame.remove();
   };
 
@@ -262,7 +263,10 @@
     state = JSON.parse(text);
     if (!state.scenarios.some(({ file }) => file === chosen)) chosen = '';
     const red = state.scenarios.find((scenario) => is_judged(scenario) && state_of(scenario) !== 'passed');
-    chosen ||= (red ?? state.scenarios[0])?.file ?? '';
+    if (!chosen && state.scenarios.length > 0) {
+      chosen = (red ?? state.scenarios[0]).file;
+      ask('/look', { file: chosen });
+    }
     show_build();
     show_head();
     show_rows();

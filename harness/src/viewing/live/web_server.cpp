@@ -122,6 +122,8 @@ struct Refusal {
   std::string reason;
 };
 
+const Refusal content_is_too_long{http::status::payload_too_large, "its content is too long"};
+
 struct Frame {
   bool is_text = false;
   std::string beginning;
@@ -172,6 +174,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
 
   void start() {
     head_.header_limit(8192);
+    head_.body_limit(server_.options.longest_request);
     tcp().expires_after(server_.options.handshake_limit);
     http::async_read_header(stream_.next_layer(), buffer_, head_,
                             [self = shared_from_this()](Error failed, std::size_t) { self->took_head(failed); });
@@ -209,6 +212,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
     if (failed) {
       if (failed == http::error::header_limit)
         return refuse({http::status::request_header_fields_too_large, "its head is too long"});
+      if (failed == http::error::body_limit) return refuse(content_is_too_long);
       if (failed.category() == http::make_error_code(http::error::bad_method).category() &&
           failed != http::error::end_of_stream && failed != http::error::partial_message)
         return refuse({http::status::bad_request, "it is no HTTP"});
@@ -243,7 +247,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void took_request(Error failed) {
-    if (failed == http::error::body_limit) return refuse({http::status::payload_too_large, "its content is too long"});
+    if (failed == http::error::body_limit) return refuse(content_is_too_long);
     if (failed) return drop();
     const auto& message = request_->get();
     const std::string_view path = path_of(view(message.target()));

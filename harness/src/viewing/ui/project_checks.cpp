@@ -166,8 +166,12 @@ void ProjectChecks::check_all() {
 }
 
 void ProjectChecks::let_all_wait() {
+  ++changes_;
   for (const Job& job : jobs_) job.program.signal(SIGTERM);
-  for (Scenario& scenario : scenarios_) scenario.phase = Phase::waits;
+  for (Scenario& scenario : scenarios_) {
+    scenario.phase = Phase::waits;
+    scenario.wants_report = false;
+  }
   if (build_.folder.empty()) build_.folder = newest_build(options_.project);
   build_.is_wanted &= !build_.folder.empty();
 }
@@ -209,10 +213,25 @@ ProjectChecks::Scenario* ProjectChecks::next() {
   const auto is_red = [](const Scenario& scenario) { return !scenario.has_passed(); };
   for (Scenario& scenario : scenarios_) {
     if (scenario.phase != Phase::waits) continue;
-    if (scenario.file == looked_at_) return &scenario;
+    if (looked_at_.contains(scenario.file)) return &scenario;
     if (!best || (is_red(scenario) && !is_red(*best))) best = &scenario;
   }
   return best;
+}
+
+ProjectChecks::Scenario* ProjectChecks::next_report() {
+  const auto found = std::ranges::find_if(scenarios_, [&](const Scenario& scenario) {
+    return scenario.wants_report && scenario.phase == Phase::judged && looked_at_.contains(scenario.file);
+  });
+  return found == scenarios_.end() ? nullptr : &*found;
+}
+
+Result<void> ProjectChecks::start_check(const Scenario& scenario, bool makes_report) {
+  std::vector<std::string> words{"check", scenario.file, "--json"};
+  if (!makes_report) words.emplace_back("--no-report");
+  auto program = REHEARSE_TRY(RunningProgram::start(command(std::move(words))));
+  jobs_.push_back({scenario.file, std::move(program), Clock::now(), changes_, makes_report});
+  return {};
 }
 
 bool ProjectChecks::start_checks() {
@@ -221,15 +240,18 @@ bool ProjectChecks::start_checks() {
   while (jobs_.size() < options_.jobs) {
     Scenario* scenario = next();
     if (!scenario) break;
-    scenario->phase = Phase::checking;
     has_begun = true;
-    auto program = RunningProgram::start(command({"check", scenario->file, "--json"}));
-    if (program) {
-      jobs_.push_back({scenario->file, *std::move(program), Clock::now()});
-      continue;
+    scenario->phase = Phase::checking;
+    if (const auto started = start_check(*scenario, false); !started) {
+      scenario->phase = Phase::judged;
+      scenario->result = {{"state", "unjudged"}, {"sentence", started.errors()[0].message}};
     }
-    scenario->phase = Phase::judged;
-    scenario->result = {{"state", "unjudged"}, {"sentence", program.errors()[0].message}};
+  }
+  while (jobs_.size() < options_.jobs) {
+    Scenario* scenario = next_report();
+    if (!scenario) break;
+    scenario->wants_report = false;
+    if (!start_check(*scenario, true)) break;
   }
   return has_begun;
 }
@@ -244,8 +266,8 @@ bool ProjectChecks::take_checks() {
     }
     has_ended = true;
     Scenario* scenario = find(job->file);
-    // one that waits was ended: its files have changed
-    if (scenario && scenario->phase == Phase::checking) take_verdict(*scenario, status ? **status : 2, *job);
+    // one that began before the last change was ended
+    if (scenario && job->changes == changes_) take_verdict(*scenario, status ? **status : 2, *job);
     job = jobs_.erase(job);
   }
   return has_ended;
@@ -254,14 +276,16 @@ bool ProjectChecks::take_checks() {
 void ProjectChecks::take_verdict(Scenario& scenario, int status, const Job& job) {
   scenario.phase = Phase::judged;
   scenario.report.clear();
+  scenario.wants_report = !job.makes_report && (status == 1 || status == 3);
   Json& result = scenario.result;
+  const Json earlier = job.makes_report ? result : Json::object();  // the check's own, without its report
   result = {{"state", status == 0   ? "passed"
                       : status == 1 ? "differs"
                       : status == 3 ? "failed"
                                     : "unjudged"},
             {"sentence", "rehearse check told nothing"},
-            {"seconds", seconds_since(job.begin)},
-            {"at", milliseconds_since_1970()},
+            {"seconds", earlier.value("seconds", seconds_since(job.begin))},
+            {"at", earlier.value("at", milliseconds_since_1970())},
             {"told", end_of(job.program.errors())}};
   if (const std::string told = job.program.errors(); !told.empty()) result["sentence"] = last_line_of(told);
   try {
@@ -312,7 +336,7 @@ Result<void> ProjectChecks::allow() {
 Result<void> ProjectChecks::look_at(const std::string& file) {
   Scenario* scenario = find(file);
   if (!scenario) return error(fmt::format("the project has no scenario '{}'", file));
-  looked_at_ = file;
+  looked_at_.insert(file);
   return {};
 }
 
@@ -333,6 +357,10 @@ Result<fs::path> ProjectChecks::report_of(const std::string& file) const {
   const Scenario* scenario = find(file);
   if (scenario && !scenario->report.empty()) return scenario->report;
   return error(fmt::format("'{}' has no report", file), "a check that fails writes one");
+}
+
+bool ProjectChecks::is_reported(const Scenario& scenario) const {
+  return std::ranges::any_of(jobs_, [&](const Job& job) { return job.makes_report && job.file == scenario.file; });
 }
 
 Json ProjectChecks::json_of(const Scenario& scenario) const {

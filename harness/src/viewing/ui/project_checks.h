@@ -4,6 +4,7 @@
 // 2. cmake builds the project, unless only scenarios and goldens have changed. A failed build ends here.
 // 3. `rehearse check` judges each scenario in a process of its own: first the one that is looked at, then those that
 //    didn't pass. What the change can't reach is proved, which takes a tenth of a second.
+// 4. A scenario that didn't pass and is looked at is checked once more, with its report, which takes seconds.
 // Nothing is built and no controller is loaded before the owner of the project has allowed it, once.
 #pragma once
 
@@ -15,6 +16,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -43,7 +45,7 @@ class ProjectChecks {
 
   /// The owner allows the project's code to be built and run.
   Result<void> allow();
-  /// Checks this scenario before others from now on.
+  /// Checks this scenario before others from now on, and makes its report if it fails.
   Result<void> look_at(const std::string& file);
   /// Builds the project, and checks all scenarios.
   void check_all();
@@ -63,6 +65,7 @@ class ProjectChecks {
     Phase phase = Phase::unknown;
     Json result = nullptr;  // of the last check
     std::filesystem::path report = {};
+    bool wants_report = false;  // it failed, and its report isn't being made yet
 
     bool has_passed() const { return result.is_object() && result.value("state", "") == "passed"; }
   };
@@ -70,6 +73,8 @@ class ProjectChecks {
     std::string file;
     RunningProgram program;
     Clock::time_point begin;
+    std::uint64_t changes = 0;  // of files, before it began
+    bool makes_report = false;
   };
   struct Build {
     std::filesystem::path folder = {};  // empty: the project has none
@@ -91,8 +96,12 @@ class ProjectChecks {
   Scenario* find(const std::string& file);
   const Scenario* find(const std::string& file) const;
   Scenario* next();
+  Scenario* next_report();
+  /// Starts a check of the scenario. Fails if there is no process for it.
+  Result<void> start_check(const Scenario& scenario, bool makes_report);
   void take_verdict(Scenario& scenario, int status, const Job& job);
   void take_answer(Scenario& scenario, const Json& checked);
+  bool is_reported(const Scenario& scenario) const;
   Json json_of(const Scenario& scenario) const;
   ChildProcess command(std::vector<std::string> words) const;
 
@@ -102,7 +111,8 @@ class ProjectChecks {
   Build build_;
   std::vector<Scenario> scenarios_;
   std::vector<Job> jobs_;
-  std::string looked_at_;
+  std::set<std::string> looked_at_;  // files of scenarios
+  std::uint64_t changes_ = 0;        // of files, so far
 };
 
 }  // namespace rehearse
