@@ -92,10 +92,10 @@ Explanation explain(const Scenario& scenario, const CheckReport& report, const f
     for (const Diagnostic& place : places_of_changes(scenario, *recorded, (*compared)->changed_files)) add(place);
     break;
   }
-  if (report.controller == LevelState::differs && report.first && !report.failed()) {
+  if (const auto first = first_differing_command(report)) {
     std::vector<std::string> words = words_beside(scenario, report, golden, host);
     const std::string command = line_of(words);
-    if (words.empty() || !add(line_beside(std::move(words)))) add(line_of_command(*report.first, golden, host));
+    if (words.empty() || !add(line_beside(std::move(words)))) add(line_of_command(*first, golden, host));
     if (!command.empty()) explanation.next.push_back(command);
     explanation.next.push_back(fmt::format("rehearse step {}{}", golden.string(), words_of_libraries(host)));
   }

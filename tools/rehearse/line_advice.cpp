@@ -68,10 +68,17 @@ std::string words_of_libraries(const HostOptions& host) {
 
 std::string line_of(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
+std::optional<Divergence> first_differing_command(const CheckReport& report) {
+  const auto& replay = report.replay;
+  if (report.controller != LevelState::differs || !replay || replay->failure) return std::nullopt;
+  return replay->beyond ? replay->beyond : replay->first;
+}
+
 std::vector<std::string> words_beside(const Scenario& scenario, const CheckReport& report, const fs::path& golden,
                                       const HostOptions& host) {
-  if (report.controller != LevelState::differs || !report.first || report.failed()) return {};
-  const auto controller = controller_with(report.first->channel, scenario);
+  const auto first = first_differing_command(report);
+  if (!first) return {};
+  const auto controller = controller_with(first->channel, scenario);
   if (!controller || !is_of_cpp(*controller, scenario, host) || find_program("gdb").empty()) return {};
   const std::string commit = commit_of(golden);
   if (commit.empty()) return {};

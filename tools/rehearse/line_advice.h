@@ -6,10 +6,15 @@
 #include <rehearse/scenario.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace rehearse::tool {
+
+/// The first command that differs on the golden's inputs, beyond its tolerance if any is. None: all are equal, nothing
+/// was fed, or a controller failed on these inputs.
+std::optional<Divergence> first_differing_command(const CheckReport& report);
 
 /// The words of "rehearse replay GOLDEN --beside COMMIT", with the commit in which the golden was accepted. Empty if
 /// the commands of no controller differ, if that controller isn't in C++, if there is no gdb, or if git doesn't have
