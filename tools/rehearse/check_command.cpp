@@ -484,10 +484,10 @@ std::function<Exit()> declare_check(CLI::App& options) {
                 "instead: list the lines of the controllers that no golden executes, as audit --coverage does")
       ->excludes(options.get_option("--instructions"));
   add_coverage_files(options, settings->coverage_files);
-  options.add_flag("--explain", settings->explain,
-                   "also find where to look after a failure: the changed key, the line of the controller that differs "
-                   "from the golden's commit or writes the first differing command (by gdb), the violated expectation; "
-                   "and name the next commands");
+  options.add_flag(
+      "--explain", settings->explain,
+      "also find where to look after a failure: the changed key, the line of the controller that writes the first "
+      "differing command (by gdb), the violated expectation; and name the next commands");
   options.add_flag("-v,--verbose", settings->verbose,
                    "also print the first differences in full, with relative errors and ULPs, and the times of "
                    "control()");

@@ -7,9 +7,7 @@
 #include <sstream>
 #include <utility>
 
-#include "command.h"
 #include "core/check/changed_files.h"
-#include "core/guard/child_process.h"
 #include "core/guard/source_line.h"
 #include "line_advice.h"
 #include "viewing/report/call_stack.h"
@@ -27,35 +25,6 @@ Diagnostic place_at(std::string file, int line, std::string message) {
   place.line = line;
   place.message = std::move(message);
   return place;
-}
-
-/// "phase is 1.5, not 0.5": what the line has made, as `replay --beside --json` states it.
-std::string changes_in(const Json& found) {
-  std::string text;
-  for (const Json& value : found.value("values", Json::array()))
-    text += fmt::format("{}{} is {}, not {}", text.empty() ? "" : ", ", value.value("name", ""), value.value("new", ""),
-                        value.value("old", ""));
-  return text.empty() ? "the ways of both versions part here" : text;
-}
-
-/// The line by which the controller differs from the one that `words` compares it with; none: no line was found.
-std::optional<Diagnostic> line_beside(std::vector<std::string> words) {
-  words[0] = (program_tree() / "bin/rehearse").string();
-  words.push_back("--json");
-  const auto output = output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded});
-  if (!output) return std::nullopt;
-  const Json found = Json::parse(output->text, nullptr, false);
-  if (!found.is_object()) return std::nullopt;
-  for (const char* key : {"new", "new_next", "old"})
-    if (const Json place = found.value(key, Json()); place.is_object())
-      return place_at(place.value("file", ""), place.value("line", 0),
-                      fmt::format("{}, at tick {}; the golden's commit is compared", changes_in(found),
-                                  found.value("tick", std::int64_t{0})));
-  for (const Json& value : found.value("before", Json::array()))
-    return place_at("", 0,
-                    fmt::format("{} is {}, not {}, before the run; the golden's commit is compared",
-                                value.value("name", ""), value.value("new", ""), value.value("old", "")));
-  return std::nullopt;
 }
 
 /// The line that writes the first differing command; none: gdb doesn't find it.
@@ -93,10 +62,9 @@ Explanation explain(const Scenario& scenario, const CheckReport& report, const f
     break;
   }
   if (const auto first = first_differing_command(report)) {
-    std::vector<std::string> words = words_beside(scenario, report, golden, host);
-    const std::string command = line_of(words);
-    if (words.empty() || !add(line_beside(std::move(words)))) add(line_of_command(*first, golden, host));
-    if (!command.empty()) explanation.next.push_back(command);
+    add(line_of_command(*first, golden, host));
+    const std::string beside = line_of(words_beside(scenario, report, golden, host));  // it builds the project twice
+    if (!beside.empty()) explanation.next.push_back(beside);
     explanation.next.push_back(fmt::format("rehearse step {}{}", golden.string(), words_of_libraries(host)));
   }
   for (const ExpectationResult& result : report.expectations)

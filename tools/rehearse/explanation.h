@@ -19,8 +19,8 @@ struct Explanation {
 };
 
 /// 1. The line at which a controller failed. 2. The changed keys of scenario and models. 3. The line of the controller
-/// that differs from that of the golden's commit; without such a commit the line that writes the first differing
-/// command. 4. The violated expectations. The third needs gdb, and takes seconds. `golden`: empty if there is none.
+/// that writes the first differing command, which gdb finds in seconds. 4. The violated expectations. `golden`: empty
+/// if there is none.
 Explanation explain(const Scenario& scenario, const CheckReport& report, const std::filesystem::path& golden,
                     const HostOptions& host);
 

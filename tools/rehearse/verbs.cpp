@@ -30,7 +30,7 @@ constexpr VerbSummary verbs[] = {
      "play a recording to Foxglove or Lichtblick: robot, plots and pictures, to pause and to search", Program::read,
      Rounding::is_none, "viewing"},
     {"ui", every_day,
-     "a page beside your editor: builds and checks what changes, shows reports, accepts and discards runs",
+     "a page beside your editor: builds and checks what changes, shows reports, accepts runs",
      Program::read, Rounding::is_none, "viewing"},
     {"history", every_day, "how near to their bounds checks came, commit by commit: what drifts, jumps or is flaky",
      Program::read, Rounding::matters, "viewing"},

@@ -219,12 +219,11 @@
 
   const show_build = () => {
     const { folder, state: now, seconds, line, output } = state.build;
-    const took = seconds > 0 ? ` in ${seconds_text(seconds)}` : '';
     const words = {
       runs: `building ${folder}: ${line}`,
       waits: 'a build waits',
       failed: `the build of ${folder} failed: the verdicts below are of the code before`,
-      done: folder ? `${folder} is built${took}` : 'the project has no build: its controllers are taken as they are',
+      done: folder ? `the build in ${folder} is up to date; it took ${seconds_text(seconds)}` : 'the project has no build: its controllers are taken as they are',
     };
     tell(state.allowed ? words[now] : 'nothing was built or checked');
     at('output').hidden = now !== 'failed';
