@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -49,7 +51,9 @@ Result<std::string> rev_parse(std::vector<std::string> words) {
 /// tests then aren't built.
 Result<fs::path> build_library(const fs::path& sources, const fs::path& build, const fs::path& library,
                                const std::string& what) {
-  const std::vector<std::string> compile{"cmake", "--build", build.string(), "--parallel"};
+  // without a number make starts all compilers at once
+  const std::vector<std::string> compile{"cmake", "--build", build.string(), "--parallel",
+                                         std::to_string(std::max(1U, std::thread::hardware_concurrency()))};
   std::vector<std::string> compile_target = compile;
   compile_target.insert(compile_target.end(), {"--target", library.stem().string()});
   REHEARSE_TRY(run_or_fail({"cmake", "-S", sources.string(), "-B", build.string(), "-DCMAKE_BUILD_TYPE=Debug"}, what));
