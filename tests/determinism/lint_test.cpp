@@ -132,7 +132,6 @@ const Exception allowed[] = {
     {"harness/src/viewing/live/web_server.cpp", "clock", "when a connection that is silent ends"},
     {"harness/src/viewing/ui/project_checks.cpp", "clock", "how long builds and checks took, and when; no run sees it"},
     {"harness/src/viewing/ui/project_checks.h", "clock", "the same"},
-    {"harness/src/viewing/ui/project_checks.cpp", "thread", "waits for processes that are to end"},
     {"harness/src/viewing/report/report.cpp", "thread", "waits for gdb while the report of a finished run is written"},
     {"harness/src/viewing/report/report_page.cpp", "environment", "where the page of reports lies"},
     {"harness/src/gtest/testing/test_folders.cpp", "environment", "where a test's files lie"},

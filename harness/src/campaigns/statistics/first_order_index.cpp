@@ -69,7 +69,7 @@ struct Squares {
       }
       begin = end;
     }
-    std::ranges::sort(steps, std::ranges::greater());
+    std::ranges::stable_sort(steps, std::ranges::greater());
     for (std::size_t i = steps_of_mean; i < steps.size(); ++i) neighbours += steps[i];
   }
 
