@@ -231,6 +231,7 @@ test('without the token a page shows nothing and decides nothing', async () => {
   const page = await context.newPage();
   await page.goto(new URL('/', served.address).href);
   assert.match(await page.textContent('#build'), /has the token that this one lacks/);
+  assert.doesNotMatch(await page.content(), /\brobot\b|hold\.yaml/i, 'not even the names of the project and its scenarios');
   const status = await page.evaluate(() => fetch('/accept', { method: 'POST', body: '{"golden":"Hold"}' }).then((answer) => answer.status));
   assert.equal(status, 403);
   await context.close();

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -48,7 +47,6 @@ Explanation explain(const Scenario& scenario, const CheckReport& report, const f
   Explanation explanation;
   const auto add = [&](std::optional<Diagnostic> place) {
     if (place) explanation.places.push_back(*std::move(place));
-    return place.has_value();
   };
   const Diagnostic* ending = report.run ? report.run->ending() : nullptr;
   if (!ending && report.replay && report.replay->failure) ending = &*report.replay->failure;

@@ -66,6 +66,9 @@ def host_frame(begin: Optional[gdb.Frame] = None) -> Optional[gdb.Frame]:
 
 def enter_functions() -> None:
     """Goes from the host's control() of a controller in C or Rust into the function of its library, a few lines on."""
+    place = gdb.newest_frame().find_sal()
+    if not place.symtab or os.path.basename(place.symtab.filename) != "c_controller.cpp":
+        return  # it isn't there, and stays where it is
     for _ in range(64):  # also through functions that are inlined there
         gdb.execute("step", to_string=True)
         if frames():

@@ -56,7 +56,7 @@ class WebServer {
   class Handler {
    public:
     virtual ~Handler() = default;
-    /// None: there is no such page. Called only if there are `Options::page`.
+    /// None: there is no such page. Called only with `Options::page`.
     virtual std::optional<Answer> asked(const Request& /*request*/) { return std::nullopt; }
     virtual void opened(Client client, std::string_view protocol) = 0;
     virtual void took_text(Client client, std::string_view text) = 0;

@@ -124,10 +124,6 @@ ProjectChecks::Scenario* ProjectChecks::find(const std::string& file) {
   return found == scenarios_.end() ? nullptr : &*found;
 }
 
-const ProjectChecks::Scenario* ProjectChecks::find(const std::string& file) const {
-  return const_cast<ProjectChecks*>(this)->find(file);
-}
-
 ChildProcess ProjectChecks::command(std::vector<std::string> words) const {
   words.insert(words.begin(), options_.command.string());
   ChildProcess process;
@@ -354,8 +350,8 @@ Result<void> ProjectChecks::decide(const std::string& golden, bool is_accepted) 
 }
 
 Result<fs::path> ProjectChecks::report_of(const std::string& file) const {
-  const Scenario* scenario = find(file);
-  if (scenario && !scenario->report.empty()) return scenario->report;
+  const auto found = std::ranges::find(scenarios_, file, &Scenario::file);
+  if (found != scenarios_.end() && !found->report.empty()) return found->report;
   return error(fmt::format("'{}' has no report", file), "a check that fails writes one");
 }
 

@@ -94,7 +94,6 @@ class ProjectChecks {
   bool start_build();
   bool start_checks();
   Scenario* find(const std::string& file);
-  const Scenario* find(const std::string& file) const;
   Scenario* next();
   Scenario* next_report();
   /// Starts a check of the scenario. Fails if there is no process for it.

@@ -31,10 +31,11 @@ using Json = nlohmann::ordered_json;
 constexpr std::chrono::milliseconds step_time{15};
 constexpr std::string_view magic = "<!doctype html><!-- the page of a project of Rehearse -->";
 
-std::string page_of(const fs::path& project) {
+/// Anyone on this machine may get it, so it doesn't name the project.
+std::string page_without_content() {
   return small_page({.magic = magic,
-                     .kind = "Project",
-                     .title = project.filename().string(),
+                     .kind = "Rehearse",
+                     .title = "The page of a project",
                      .content = std::string(project_page_content()) + "<script>\n" +
                                 std::string(project_page_script()) + "</script>\n"});
 }
@@ -159,7 +160,7 @@ Result<std::unique_ptr<ProjectPage>> ProjectPage::open(ProjectPageOptions option
   WebServer::Options web;
   web.port = impl->options.port;
   web.token = impl->token;
-  web.page = page_of(impl->options.checks.project);
+  web.page = page_without_content();
   impl->server = REHEARSE_TRY(WebServer::listen(std::move(web), *impl));
   return std::unique_ptr<ProjectPage>(new ProjectPage(std::move(impl)));
 }
