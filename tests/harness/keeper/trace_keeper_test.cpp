@@ -23,7 +23,7 @@ class Kept : public ::testing::Test {
   Kept() { send_recordings_through(ring_); }
 
   static std::unique_ptr<mcap::Writer> create(const std::filesystem::path& file) {
-    return std::move(*create_recording(file));
+    return std::move(create_recording(file)->writer);
   }
 
   Ring& ring_ = *Ring::create();
@@ -89,12 +89,12 @@ TEST_F(Kept, HasTheChunksThatAreCopiedAndCountsTheirTicks) {
 
 TEST_F(Kept, IsClosedWithTheFailureAndTheTickThatWasUnderWay) {
   const TempFile file;
-  const auto writer = create(file.path());
+  const auto [writer, supervised] = std::move(*create_recording(file.path()));
   const auto ticks = writer->add_channel(0, "/tick", "cdr"), events = writer->add_channel(0, "/events", "cdr");
-  add_metadata_at_failure(*writer, "rehearse.devices_read", {{"Rig/Gyro", "Rig/C"}});
+  supervised->add_metadata_at_failure("rehearse.devices_read", {{"Rig/Gyro", "Rig/C"}});
   for (std::int64_t tick = 0; tick < 3; ++tick) {
     {
-      const PendingMessages pending(*writer);
+      const PendingMessages pending(*supervised);
       ASSERT_TRUE(writer->write(ticks, static_cast<std::uint64_t>(tick) * 1000, 0, tick_message(100 + tick)));
     }
     if (tick < 2) {

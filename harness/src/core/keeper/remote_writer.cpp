@@ -33,7 +33,7 @@ Result<void> result_of(trace_call::Answer answer) {
 }
 
 /// Sends each call to the parent. Knows the ids of schemas and channels, which depend on the calls alone.
-class RemoteWriter final : public mcap::Writer {
+class RemoteWriter final : public SupervisedWriter {
  public:
   RemoteWriter() : trace_(traces++) {}
   ~RemoteWriter() override {
@@ -107,11 +107,11 @@ class RemoteWriter final : public mcap::Writer {
     return status();
   }
 
-  void add_metadata_at_failure(std::string_view name, const mcap::StringMap& values) {
+  void add_metadata_at_failure(std::string_view name, const mcap::StringMap& values) override {
     send_encoded(Kind::add_at_failure, trace_call::AddMetadata{std::string(name), trace_call::pairs_of(values)});
   }
 
-  void set_pending(bool pending) {
+  void set_pending(bool pending) override {
     if (pending) send({.kind = Kind::begin_pending});
     pending_ = pending;
   }
@@ -206,23 +206,15 @@ void share_recordings_with_forks(bool shared) {
   if (shared) traces = (traces / numbers + 1) * numbers;
 }
 
-Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file) {
-  if (!to_parent) return mcap::Writer::create(file, trace_call::form_of_recordings());
-  auto writer = std::make_unique<RemoteWriter>();
-  REHEARSE_TRY(writer->create(file));
-  return std::unique_ptr<mcap::Writer>(std::move(writer));
-}
-
-/// The writer that sends its messages to a supervisor; null: this process writes the recording.
-static RemoteWriter* remote_of(mcap::Writer& writer) { return dynamic_cast<RemoteWriter*>(&writer); }
-
-bool writes_pending(mcap::Writer& writer) { return remote_of(writer) != nullptr; }
-
-PendingMessages::PendingMessages(mcap::Writer& writer) : writer_(writer) { remote_of(writer_)->set_pending(true); }
-PendingMessages::~PendingMessages() { remote_of(writer_)->set_pending(false); }
-
-void add_metadata_at_failure(mcap::Writer& writer, std::string_view name, const mcap::StringMap& values) {
-  if (RemoteWriter* const remote = remote_of(writer)) remote->add_metadata_at_failure(name, values);
+Result<RecordingWriter> create_recording(const std::filesystem::path& file) {
+  if (!to_parent) {
+    auto own = REHEARSE_TRY(mcap::Writer::create(file, trace_call::form_of_recordings()));
+    return RecordingWriter{std::move(own)};
+  }
+  auto remote = std::make_unique<RemoteWriter>();
+  REHEARSE_TRY(remote->create(file));
+  SupervisedWriter* const supervised = remote.get();
+  return RecordingWriter{std::move(remote), supervised};
 }
 
 }  // namespace rehearse

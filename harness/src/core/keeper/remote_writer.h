@@ -21,27 +21,35 @@ void send_recordings_through(Ring& ring);
 /// True: the next fork can send recordings, too, while this process sends none. False: forks can't, as before.
 void share_recordings_with_forks(bool shared);
 
+/// A Writer whose messages a supervisor writes, and what only a supervisor can do.
+class SupervisedWriter : public mcap::Writer {
+ public:
+  /// While true, messages are pending: the supervisor writes them only if the process ends before the next message on
+  /// /tick. They replace those that were pending before.
+  virtual void set_pending(bool pending) = 0;
+
+  /// Metadata that the supervisor adds to this recording if the process ends without closing it.
+  virtual void add_metadata_at_failure(std::string_view name, const mcap::StringMap& values) = 0;
+};
+
+struct RecordingWriter {
+  std::unique_ptr<mcap::Writer> writer;
+  SupervisedWriter* supervised = nullptr;  // the same Writer; null: this process writes the recording itself
+};
+
 /// Creates a recording, as mcap::Writer::create() does. A supervisor writes it if there is one, else this process.
-Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file);
+Result<RecordingWriter> create_recording(const std::filesystem::path& file);
 
-/// True if a supervisor writes this recording.
-bool writes_pending(mcap::Writer& writer);
-
-/// Messages that are written in its lifetime are pending: the supervisor writes them only if the process ends before
-/// the next message on /tick. They replace those that were pending before. The Writer must be one that
-/// writes_pending().
+/// Messages that are written in its lifetime are pending.
 class PendingMessages {
  public:
-  explicit PendingMessages(mcap::Writer& writer);
-  ~PendingMessages();
+  explicit PendingMessages(SupervisedWriter& writer) : writer_(writer) { writer_.set_pending(true); }
+  ~PendingMessages() { writer_.set_pending(false); }
   PendingMessages(const PendingMessages&) = delete;
   PendingMessages& operator=(const PendingMessages&) = delete;
 
  private:
-  mcap::Writer& writer_;
+  SupervisedWriter& writer_;
 };
-
-/// Metadata that the supervisor adds to this recording if the process ends without closing it.
-void add_metadata_at_failure(mcap::Writer& writer, std::string_view name, const mcap::StringMap& values);
 
 }  // namespace rehearse

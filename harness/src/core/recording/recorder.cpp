@@ -37,7 +37,9 @@ int Recorder::descriptor() const { return impl_->writer->descriptor(); }
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& file, const Scenario& scenario,
                                                    const mcap::StringMap& provenance) {
   auto impl = std::make_unique<Impl>(scenario);
-  impl->writer = REHEARSE_TRY(create_recording(file));
+  auto recording = REHEARSE_TRY(create_recording(file));
+  impl->writer = std::move(recording.writer);
+  impl->supervised = recording.supervised;
   REHEARSE_TRY(impl->attach_sources());
   REHEARSE_TRY(impl->writer->add_metadata(records::provenance, provenance));
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
@@ -191,11 +193,11 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
 
 Result<void> Recorder::record_inputs(std::int64_t tick, const ControllerHost& host, const TickHashes& hashes) {
   Impl& impl = *impl_;
-  if (!writes_pending(*impl.writer)) return {};
+  if (!impl.supervised) return {};
   // The outputs of a controller come between its inputs and those of the next: of several the inputs are pending.
   impl.inputs_are_written = impl.controllers.size() == 1;
   if (impl.inputs_are_written) REHEARSE_TRY(impl.write_inputs(tick, host.controllers()[0], impl.controllers[0]));
-  const PendingMessages pending(*impl.writer);
+  const PendingMessages pending(*impl.supervised);
   const RecordingSize size = impl.size;
   for (std::size_t c = 0; !impl.inputs_are_written && c < impl.controllers.size(); ++c)
     REHEARSE_TRY(impl.write_inputs(tick, host.controllers()[c], impl.controllers[c]));

@@ -61,7 +61,7 @@ void Recorder::declare(const ControllerHost* host) {
                                                    {{"axes", fmt::format("{}", fmt::join(joystick_axes, " "))},
                                                     {"buttons", fmt::format("{}", fmt::join(joystick_buttons, " "))}});
   if (host) impl.declare_controllers(*host);
-  if (impl.writer) add_metadata_at_failure(*impl.writer, records::devices_read, impl.devices_read);
+  if (impl.supervised) impl.supervised->add_metadata_at_failure(records::devices_read, impl.devices_read);
   impl.transform_channel = impl.channel<msg::TFMessage>(ChannelName::of_run(ChannelKind::transforms));
   impl.contact_recorder.emplace(impl, impl.scenario);
   impl.checkpoint_channel = impl.channel<msg::Checkpoint>(ChannelName::of_run(ChannelKind::checkpoint));

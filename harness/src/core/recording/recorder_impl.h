@@ -15,6 +15,8 @@
 
 namespace rehearse {
 
+class SupervisedWriter;
+
 struct ControllerChannels {
   SideRecorder input, output;
   std::vector<std::uint16_t> contacts;                       // channels by the controller's contact links
@@ -41,6 +43,7 @@ struct BodyChannels {
 
 struct Recorder::Impl : TraceOutput {
   const Scenario& scenario;
+  SupervisedWriter* supervised = nullptr;  // the Writer, if a supervisor writes the recording
   std::vector<BodyChannels> bodies;
   std::vector<ControllerChannels> controllers;
   mcap::StringMap devices_read;  // labels of the controllers that read a device, by BODY/DEVICE
