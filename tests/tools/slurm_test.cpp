@@ -73,18 +73,18 @@ class SlurmSweep : public Command {
 
 TEST_F(SlurmSweep, LosesAndDoublesNothingWhenANodeIsKilled) {
   box();
-  EXPECT_EQ(rehearse({"sweep", "box.yaml", "--cases", "400", "--seed", "2", "-o", "local", "-j", "1"}).status, 1);
+  EXPECT_EQ(rehearse({"sweep", "box.yaml", "--cases", "200", "--seed", "2", "-o", "local", "-j", "1"}).status, 1);
   const Outcome submitted =
-      sweep({"box.yaml", "--cases", "400", "--seed", "2", "-o", "run", "--slurm", "--tasks", "8", "--", "--nice=1"});
+      sweep({"box.yaml", "--cases", "200", "--seed", "2", "-o", "run", "--slurm", "--tasks", "8", "--", "--nice=1"});
   ASSERT_EQ(submitted.status, 0) << submitted.err;
-  EXPECT_THAT(submitted.out, HasSubstr("400 cases in 8 tasks: Slurm's jobs 1, "))
+  EXPECT_THAT(submitted.out, HasSubstr("200 cases in 8 tasks: Slurm's jobs 1, "))
       << "two arrays: an array has 5 tasks at most";
   const Outcome twice = sweep({"resume", "run", "--slurm"});
   EXPECT_EQ(twice.status, bad_input);
   EXPECT_THAT(twice.err, HasSubstr("scancel --name=rehearse-"));
   EXPECT_THAT(sweep({"resume", "run"}).err, HasSubstr("scancel --name=rehearse-")) << "nor without Slurm";
 
-  EXPECT_TRUE(waits_until([&] { return status()["missing"] < 400; }));
+  EXPECT_TRUE(waits_until([&] { return status()["missing"] < 200; }));
   ASSERT_EQ(cluster({"kill", place_.string(), "n2"}), 0);
   EXPECT_TRUE(waits_until([&] { return is_queue_empty(); })) << status();
   // the tasks of the lost node ran on the other; if Slurm gave one up, it is submitted again
