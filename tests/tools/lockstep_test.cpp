@@ -75,7 +75,7 @@ std::vector<Fault> faults() {
 INSTANTIATE_TEST_SUITE_P(Faults, LockstepOfFault, ::testing::ValuesIn(faults()),
                          [](const auto& info) { return "Number" + std::to_string(std::get<0>(info.param)); });
 
-/// Changes of one line, in the form that a fix or a slip has. By day: one that another line was named for before.
+/// Changes of one line, in the form that a fix or a slip has. By day exchanged results; every night all.
 class LockstepOfChange : public Lockstep, public ::testing::WithParamInterface<Fault> {};
 
 TEST_P(LockstepOfChange, NamesTheLine) {
